@@ -7,7 +7,7 @@ use maud::{Markup, html};
 use super::comparison_words as said;
 use super::figure::{Axis, BOTH, Colour, Figure, NORM};
 use super::identity::{cautions, person};
-use super::kinematics::{arms, empty_figure, grid, legs, norm_band, over_percent};
+use super::kinematics::{arms, empty_figure, grid, legs, norm_band, over_percent, without_curve};
 use super::label::{angle_label, side_name};
 use super::page::{Page, absent, document};
 use super::variation::{digits_of, title};
@@ -263,9 +263,8 @@ fn panel(input: &ComparisonInput<'_>, angle: Angle, side: Side) -> Markup {
     let before = of(input.before.gait, before_side);
     let drawn = [(before, BOTH), (of(input.after.gait, side), Colour::from(side))];
     let words = input.words;
-    let label = angle_label(angle, words);
     if drawn.iter().all(|(curve, _)| curve.is_none()) {
-        return html! { div class="panel empty" { strong { (label.title) } (absent(words.of("no whole stride shows it"))) } };
+        return without_curve(input.after.gait, angle, words);
     }
 
     let band = norm_band(input.norm, angle);
@@ -288,8 +287,12 @@ fn panel(input: &ComparisonInput<'_>, angle: Angle, side: Side) -> Markup {
     }
     let (before, after) = (input.before.name, input.after.name);
     let side = side_name(side, words);
-    let values: [(&str, &dyn Display); 4] =
-        [("angle", &label.title), ("side", &side), ("before", &before), ("after", &after)];
+    let values: [(&str, &dyn Display); 4] = [
+        ("angle", &angle_label(angle, words).title),
+        ("side", &side),
+        ("before", &before),
+        ("after", &after),
+    ];
     let mut description = said::description(input.sides, &values, words);
     if let Some(test) = test {
         description += &stretches_in_words(test, words);

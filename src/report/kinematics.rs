@@ -10,7 +10,7 @@ use super::label;
 use super::page::{Page, key};
 use super::spatiotemporal::{missing, remarks};
 use super::{ReportInput, Words};
-use crate::gait::{Angle, Curve, Norm, Side};
+use crate::gait::{Angle, Curve, GaitAnalysis, Norm, Side};
 
 pub(super) type Row<'a> = (&'a str, [Option<Angle>; 3]);
 
@@ -146,17 +146,22 @@ fn panel(input: &ReportInput<'_>, angle: Angle, drawn: Drawn) -> Markup {
         Drawn::Means | Drawn::Strides => over_cycle(input, angle, drawn),
     };
     if figure.is_empty() {
-        let unknown = input.gait.unknown.iter().find(|(a, _)| *a == angle);
-        let reason = match unknown {
-            Some((_, reason)) => words.line(reason),
-            None => html! { (words.of("no whole stride shows it")) },
-        };
-        return html! {
-            div class="panel empty" { strong { (label::angle_label(angle, words).title) } p class="absent" { (reason) } }
-        };
+        return without_curve(input.gait, angle, words);
     }
     let description = description(input, angle);
     html! { div class="panel" { (figure.markup(&description, words)) } }
+}
+
+/// Why an angle has no curve.
+pub(super) fn without_curve(gait: &GaitAnalysis, angle: Angle, words: &Words) -> Markup {
+    let unknown = gait.unknown.iter().find(|(a, _)| *a == angle);
+    let reason = match unknown {
+        Some((_, reason)) => words.line(reason),
+        None => html! { (words.of("no whole stride shows it")) },
+    };
+    html! {
+        div class="panel empty" { strong { (label::angle_label(angle, words).title) } p class="absent" { (reason) } }
+    }
 }
 
 fn degrees(values: &[f64]) -> Vec<f64> {

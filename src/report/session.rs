@@ -203,7 +203,8 @@ fn trials<'a>(input: &SessionInput<'_>, words: &'a Words) -> Page<'a> {
             @if !file.without.is_empty() { p class="note" { (words.fill("Left out: {names}.", &[("names", &file.without.join(", "))])) } }
             h3 { (words.of("The same lengths in every trial")) }
             (lengths(file, words))
-            p class="note" { (words.of("cm. Of all trials together, ± SD; at the right what each trial says alone. They differ by what each trial shows of the body.")) }
+            p class="note" { (words.of("cm. Of all trials together, ± SD; at the right what each trial says alone. They differ by what each trial shows of the body. \
+                Each alone leans more on what is known of people, so what all say together may lie beyond them.")) }
         },
         is_brief: false,
     }
