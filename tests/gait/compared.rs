@@ -39,7 +39,7 @@ fn two_bodies_are_told_in_a_line_in_the_table_and_on_the_page_in_each_language()
     comparison.one_body = OneBody::No(Disagreement {
         trial: 1,
         f: 20.3,
-        degrees: [8, 12],
+        degrees: [8, 9],
         probability: 1e-30,
         length: "shank".into(),
         own_m: 0.433,
@@ -47,7 +47,7 @@ fn two_bodies_are_told_in_a_line_in_the_table_and_on_the_page_in_each_language()
     });
 
     let first = comparison.lines().swap_remove(0);
-    let said = "shank 0.518 m in before.trc, 0.433 m in after.trc (all lengths: F(8, 12) = 20)";
+    let said = "shank 0.518 m in before.trc, 0.433 m in after.trc (all lengths: F(8, 9) = 20)";
     assert!(first.contains(said), "{first}");
     assert!(column(&comparison).iter().all(|said| said == "no"));
     let page = comparison.report(Language::English);

@@ -43,9 +43,10 @@ impl Session {
             }
             progress.step();
             Ok(trial)
-        })?;
+        });
         progress.end();
 
+        let all = all?;
         let differs = |trial: &&AloneTrial| trial.input.model != all[0].input.model;
         if let Some(other) = all.iter().find(differs) {
             let [(first, body), (second, other)] =
