@@ -101,16 +101,22 @@ impl ChainPrior {
         self.factors(motions, seconds, i).iter().map(Factor::cost).sum()
     }
 
-    /// Adds the factors whose last motion is that of frame `i`.
+    /// Adds the factors whose last motion is that of frame `i`, each so many times; their cost, once.
     pub fn linearize(
         &self,
         motions: &[Motion],
         seconds: &[f64],
         i: usize,
+        times: f64,
         links: &mut [Link],
     ) -> f64 {
-        let factors = self.factors(motions, seconds, i);
-        factors.iter().map(|factor| factor.add_to(self.layout, i, links)).sum()
+        let mut factors = self.factors(motions, seconds, i);
+        let cost = factors.iter().map(Factor::cost).sum();
+        for factor in &mut factors {
+            factor.precision *= times;
+            factor.add_to(self.layout, i, links);
+        }
+        cost
     }
 
     fn factors(&self, motions: &[Motion], seconds: &[f64], i: usize) -> Vec<Factor> {
@@ -167,7 +173,7 @@ impl Factor {
         0.5 * self.residual.component_mul(&self.residual).dot(&self.precision)
     }
 
-    fn add_to(&self, layout: Layout, i: usize, links: &mut [Link]) -> f64 {
+    fn add_to(&self, layout: Layout, i: usize, links: &mut [Link]) {
         let pull = self.residual.component_mul(&self.precision);
         for (a, slope) in self.slopes.iter().enumerate() {
             slope.add_gradient(layout, &pull, &mut links[i - a].gradient);
@@ -178,7 +184,6 @@ impl Factor {
                 slope.add_product(layout, &self.precision, other, block);
             }
         }
-        self.cost()
     }
 }
 

@@ -17,12 +17,12 @@ use nalgebra::DVector;
 
 use super::camera_offset::CameraOffset;
 use super::camera_prior::CameraPrior;
-use super::chain::ChainPrior;
 use super::contrasts::{Contrasts, Leverages};
 use super::covariance::Uncertainty;
 use super::frame::FrameFit;
 use super::instant::{times_s, trials};
 use super::looks::without_folds;
+use super::motion_prior::MotionPrior;
 use super::noise::{DataWeights, Noise};
 use super::prior::ShapePrior;
 use super::repeated_error::RepeatedError;
@@ -188,8 +188,9 @@ pub fn joint_optimum_from_terms<'a>(
     step: &dyn Fn(),
 ) -> JointOptimum {
     let model = evidence.model;
-    let chain_prior = ChainPrior::new(model, options.motion_model);
-    let search = Search { evidence, seconds, chain_prior, camera_prior: &terms.camera_prior, step };
+    let motion_prior = MotionPrior::new(model, options.motion_model);
+    let search =
+        Search { evidence, seconds, motion_prior, camera_prior: &terms.camera_prior, step };
     let mut state = start.detailed(model);
     state.cameras.resize(terms.camera_prior.cameras(), CameraOffset::none());
 
@@ -230,7 +231,7 @@ pub fn joint_optimum_from_terms<'a>(
 struct Search<'a, 'b> {
     evidence: &'a Evidence<'b>,
     seconds: &'a [f64],
-    chain_prior: ChainPrior,
+    motion_prior: MotionPrior,
     camera_prior: &'a CameraPrior,
     step: &'a dyn Fn(),
 }
@@ -250,6 +251,8 @@ struct Round<'l> {
     looks: Vec<Vec<Look<'l>>>,
     noise: Noise,
     shape_prior: ShapePrior,
+    /// With ω.
+    motion_prior: MotionPrior,
     contrasts: Contrasts,
     solution: Solution<SequenceState, BorderedChain>,
 }
@@ -271,6 +274,8 @@ impl Search<'_, '_> {
         let mut posterior = self.posterior(&looks, &shape_prior, &none);
         let noise = Noise::from_residuals(&posterior.residuals(&start));
         posterior.weights = noise.weights();
+        let motion_prior = self.motion_prior.beside(noise.staying_share(), self.seconds);
+        posterior.motion_prior = &motion_prior;
         // a fold looks alike to cameras side by side
         let model = self.evidence.model;
         let contrasts =
@@ -279,7 +284,7 @@ impl Search<'_, '_> {
 
         let counted = Counted { problem: &posterior, step: self.step };
         let solution = levenberg_marquardt(&counted, start, solver);
-        Round { looks: open, noise, shape_prior, contrasts, solution }
+        Round { looks: open, noise, shape_prior, motion_prior, contrasts, solution }
     }
 
     /// The same without the data that lie in folds of the skin.
@@ -295,11 +300,11 @@ impl Search<'_, '_> {
 
     /// How sure an optimum is.
     fn uncertainty(&self, round: &Round<'_>) -> Option<Uncertainty> {
-        let Round { looks, noise, shape_prior, contrasts, solution } = round;
+        let Round { looks, noise, shape_prior, motion_prior, contrasts, solution } = round;
         let Solution { state, model: chain, .. } = solution;
         let looks = self.within(looks, state);
         let posterior = self.posterior(&looks, shape_prior, contrasts);
-        let error = RepeatedError::new(&posterior, state, chain, noise)?;
+        let error = RepeatedError::new(&posterior, motion_prior, state, chain, noise)?;
         Uncertainty::new(self.evidence.model, state, self.camera_prior, &error)
     }
 
@@ -310,21 +315,20 @@ impl Search<'_, '_> {
         self.posterior(&looks, &self.evidence.shape_prior, &none).frame_fits(state)
     }
 
-    /// The posterior of looks, of data that count once.
+    /// The posterior of looks, of data and motions that count once.
     fn posterior<'p>(
         &'p self,
         looks: &'p [Vec<&'p Look<'p>>],
         shape_prior: &'p ShapePrior,
         contrasts: &'p Contrasts,
     ) -> SequencePosterior<'p> {
-        let Evidence { model, rig, pose_prior, .. } = self.evidence;
+        let Evidence { model, rig, .. } = self.evidence;
         SequencePosterior {
             model,
             rig,
             camera_prior: self.camera_prior,
             shape_prior,
-            pose_prior,
-            chain_prior: &self.chain_prior,
+            motion_prior: &self.motion_prior,
             seconds: self.seconds,
             looks,
             weights: DataWeights::all(1.0),

@@ -4,13 +4,13 @@
 //!
 //! | factor, step                      | where            |
 //! |-----------------------------------|------------------|
-//! | p(s), p(m), p(mᵢ given mᵢ₋₁)      | [`prior`]        |
+//! | p(s), p(m), p(mᵢ given mᵢ₋₁)      | [`prior`], [`chain`], [`motion_prior`] |
 //! | eq. 2 and 3 as problems           | [`frame`]        |
 //! | a pose from nothing               | [`hull`], [`joints`], [`start`] |
 //! | one hypothesis along the chain    | [`propagate`]    |
 //! | Algorithm 1                       | [`search`]       |
 //! | what the winner lost              | `relay`          |
-//! | eq. 1 as a problem of all frames  | [`chain`], [`sequence_posterior`] |
+//! | eq. 1 as a problem of all frames  | [`sequence_posterior`] |
 //! | its optimum, how sure it is       | [`joint`], [`noise`], [`contrasts`], `spread`, `repeated_error`, [`covariance`] |
 //! | cameras and clocks as unknowns    | [`camera_offset`], [`camera_prior`], [`rig_motion`], [`instant`] |
 //! | p_ε,σ(K)                          | [`confidence`], [`ShapeConfidence`] |
@@ -34,6 +34,7 @@ mod journal;
 mod keyframe;
 mod look_sum;
 mod looks;
+pub mod motion_prior;
 pub mod noise;
 pub mod prior;
 pub mod propagate;

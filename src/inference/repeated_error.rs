@@ -29,12 +29,12 @@
 
 use nalgebra::DMatrix;
 
+use super::motion_prior::MotionPrior;
 use super::noise::Noise;
-use super::prior::PosePrior;
 use super::sequence_posterior::SequencePosterior;
 use super::sequence_state::SequenceState;
-use crate::body::{Layout, Motion};
-use crate::solver::{BorderedChain, NormalEquations, Problem};
+use crate::body::Layout;
+use crate::solver::{BorderedChain, Problem};
 
 /// The covariances of an optimum's error.
 pub(super) struct RepeatedError {
@@ -48,20 +48,22 @@ pub(super) struct RepeatedError {
 const MOST_FOLLOWED: f64 = 0.9;
 
 impl RepeatedError {
-    /// Of an optimum of a posterior with this noise, of which `chain` is H; `None` where a matrix is singular.
+    /// Of an optimum that was found with this noise and `motion_prior`, of which `chain` is H, by the posterior of data and motions that count
+    /// once; `None` where a matrix is singular.
     pub(super) fn new(
         posterior: &SequencePosterior<'_>,
+        motion_prior: &MotionPrior,
         optimum: &SequenceState,
         chain: &BorderedChain,
         noise: &Noise,
     ) -> Option<Self> {
         // the priors of H, and the data without them
         let mut priors = posterior.empty_model();
-        posterior.linearize_priors(optimum, &mut priors);
+        SequencePosterior { motion_prior, ..*posterior }.linearize_priors(optimum, &mut priors);
         let mut shared_prior = priors.corner.clone();
         shared_prior.fill_upper_triangle_with_lower_triangle();
         let m = Layout::new(posterior.model).motion();
-        let pose_prior = pose_precision(posterior.pose_prior, optimum.motions.first()?, m);
+        let pose_prior = posterior.motion_prior.precision(optimum.motions.first()?);
         let mut data = DMatrix::zeros(m, m);
         for (link, prior) in chain.links.iter().zip(&priors.links) {
             data += &link.diagonal - &prior.diagonal;
@@ -89,11 +91,4 @@ impl RepeatedError {
 /// How many unknowns the data determine: n − tr(Λ₀Σ).
 fn count(covariance: &DMatrix<f64>, prior: &DMatrix<f64>) -> f64 {
     covariance.nrows() as f64 - covariance.component_mul(prior).sum()
-}
-
-/// P.
-fn pose_precision(prior: &PosePrior, motion: &Motion, m: usize) -> DMatrix<f64> {
-    let mut equations = NormalEquations::zeros(m);
-    prior.linearize(motion, &mut equations);
-    equations.hessian
 }

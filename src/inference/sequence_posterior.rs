@@ -1,10 +1,10 @@
 //! The sequence posterior, ZS06 eq. 1, of all motions and the shape at once.
 //!
-//! E(s, m₁..ₙ, c) = −log p(s) − log p(c) + Σᵢ \[−w log p(Zᵢ | mᵢ, s, c) + E_d − log p(mᵢ)\] + Σᵢ \[−log p(mᵢ | mᵢ₋₁, …)\]
+//! E(s, m₁..ₙ, c) = −log p(s) − log p(c) + Σᵢ \[−w log p(Zᵢ | mᵢ, s, c) + E_d\] − ω log p(m₁..ₙ)
 //!
 //! A frame's terms touch its own motion and the shape, a motion's factor touches its neighbours: g and H are a
 //! [`BorderedChain`] with the shape as border, and after it the cameras c where they are unknowns. w is how often the data count,
-//! see [`super::noise`], and E_d what the differences between cameras side by side say beyond that: [`super::contrasts`].
+//! see [`super::noise`], ω how often what is known of motions does ([`super::motion_prior`]), and E_d what the differences between cameras side by side say beyond that: [`super::contrasts`].
 //!
 //! What one camera shows is a [`Look`] at a body that is moved by the camera's offset and its clock: `look_sum.rs`.
 
@@ -13,13 +13,13 @@ use rayon::prelude::*;
 
 use super::camera_offset::CameraOffset;
 use super::camera_prior::CameraPrior;
-use super::chain::ChainPrior;
 use super::contrasts::Contrasts;
 use super::frame::{FrameFit, data_cost, linearize_data, observations};
 use super::instant::{Instant, times_s, trials};
 use super::look_sum::{LookSum, Placed, REACH, Unknown};
+use super::motion_prior::MotionPrior;
 use super::noise::DataWeights;
-use super::prior::{PosePrior, ShapePrior};
+use super::prior::ShapePrior;
 use super::sequence_state::SequenceState;
 use super::{Kind, Look};
 use crate::body::{BodyModel, Layout, Motion, Posed, Shape};
@@ -37,10 +37,8 @@ pub struct SequencePosterior<'a> {
     pub camera_prior: &'a CameraPrior,
     /// p(s).
     pub shape_prior: &'a ShapePrior,
-    /// p(mᵢ): limits and rest.
-    pub pose_prior: &'a PosePrior,
-    /// p(m₁, …, mₙ), but for each frame's own part.
-    pub chain_prior: &'a ChainPrior,
+    /// p(m₁..ₙ), with ω.
+    pub motion_prior: &'a MotionPrior,
     /// Seconds from the frame before, infinitely many where another trial begins; the first is not read: p(m₁) counts whole.
     pub seconds: &'a [f64],
     /// p(Zᵢ | mᵢ, s, c), frame by frame.
@@ -132,11 +130,6 @@ impl SequencePosterior<'_> {
         self.weights.of(placed.look.kind)
     }
 
-    /// How long a frame lasts, seconds; the first frame's pose is drawn from all.
-    fn lasts_s(&self, i: usize) -> f64 {
-        if i == 0 { f64::INFINITY } else { self.seconds[i] }
-    }
-
     /// Sums the looks about a run of frames.
     fn linearize_chunk(&self, x: &SequenceState, placed: &[Placed<'_>]) -> LookSum {
         let layout = Layout::new(self.model);
@@ -206,41 +199,28 @@ impl SequencePosterior<'_> {
         let mut data = vec![0.0; x.motions.len()];
         costs.into_iter().for_each(|(i, cost)| data[i] += cost);
 
-        let one = |(i, motion): (usize, &Motion)| FrameFit {
-            motion: motion.clone(),
-            data: data[i],
-            pose: self.pose_prior.cost_lasting(motion, self.lasts_s(i)),
-            step: self.chain_prior.cost(&x.motions, self.seconds, i),
-            observations: self.looks[i].iter().map(|look| observations(&look.terms)).sum(),
-            recovered: false,
+        let one = |(i, motion): (usize, &Motion)| {
+            let (pose, step) = self.motion_prior.costs(&x.motions, self.seconds, i);
+            FrameFit {
+                motion: motion.clone(),
+                data: data[i],
+                pose,
+                step,
+                observations: self.looks[i].iter().map(|look| observations(&look.terms)).sum(),
+                recovered: false,
+            }
         };
         x.motions.iter().enumerate().map(one).collect()
     }
 
     /// The priors' part of E but for the shape's: of each motion, of the steps and of the cameras.
     fn prior_cost(&self, x: &SequenceState) -> f64 {
-        let of_frame = |(i, motion): (usize, &Motion)| {
-            self.pose_prior.cost_lasting(motion, self.lasts_s(i))
-                + self.chain_prior.cost(&x.motions, self.seconds, i)
-        };
-        let frames: f64 = x.motions.iter().enumerate().map(of_frame).sum();
-        frames + self.camera_prior.cost(&x.cameras)
+        self.motion_prior.cost(&x.motions, self.seconds) + self.camera_prior.cost(&x.cameras)
     }
 
     /// The priors' part of g and H, added to the chain: of each motion, of what they share and of the steps.
     pub(super) fn linearize_priors(&self, x: &SequenceState, model: &mut BorderedChain) -> f64 {
-        // limits and rest of each frame
-        let mut cost = 0.0;
-        let m = Layout::new(self.model).motion();
-        let mut equations = NormalEquations::zeros(m);
-        for (i, link) in model.links.iter_mut().enumerate() {
-            equations.hessian.fill(0.0);
-            equations.gradient.fill(0.0);
-            cost +=
-                self.pose_prior.linearize_lasting(&x.motions[i], self.lasts_s(i), &mut equations);
-            link.diagonal += &equations.hessian;
-            link.gradient += &equations.gradient;
-        }
+        let mut cost = self.motion_prior.linearize(&x.motions, self.seconds, &mut model.links);
 
         // what they share: the shape and the cameras
         let mut corner = NormalEquations::zeros(model.corner_gradient.len());
@@ -248,11 +228,7 @@ impl SequencePosterior<'_> {
         cost += self.camera_prior.linearize(&x.cameras, x.shape.0.len(), &mut corner);
         model.corner += corner.hessian;
         model.corner_gradient += corner.gradient;
-
-        // how each follows the ones before
-        let steps = (0..x.motions.len())
-            .map(|i| self.chain_prior.linearize(&x.motions, self.seconds, i, &mut model.links));
-        cost + steps.sum::<f64>()
+        cost
     }
 }
 
@@ -270,7 +246,7 @@ impl Problem for SequencePosterior<'_> {
         let layout = Layout::new(self.model);
         let shared = layout.total() - layout.motion() + self.camera_prior.components();
         let of_clocks = if self.camera_prior.has_clocks() { REACH } else { 0 };
-        let reach = self.chain_prior.reach().max(of_clocks);
+        let reach = self.motion_prior.reach().max(of_clocks);
         BorderedChain::zeros(self.looks.len(), layout.motion(), shared, reach)
     }
 

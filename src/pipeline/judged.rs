@@ -15,10 +15,10 @@ use super::warning::warnings;
 use super::{EstimateOptions, Fit, Warning};
 use crate::body::{BodyModel, Layout, Motion, Posed};
 use crate::camera::CameraId;
-use crate::inference::chain::ChainPrior;
 use crate::inference::frame::FrameFit;
 use crate::inference::instant::times_s;
 use crate::inference::joint::JointOptions;
+use crate::inference::motion_prior::MotionPrior;
 use crate::inference::{Evidence, Sequence, ShapeConfidence};
 use crate::likelihood::Measure;
 use crate::silhouette::FrameObservations;
@@ -121,8 +121,8 @@ fn unseen(
     joint: &JointOptions,
 ) -> Option<Warning> {
     let motions: Vec<Motion> = frames.iter().map(|f| f.fit.motion.clone()).collect();
-    let chain_prior = ChainPrior::new(model, joint.motion_model);
-    let prior = prior_angles_sd(model, &chain_prior, &motions, &sequence.intervals_s())?;
+    let motion_prior = MotionPrior::new(model, joint.motion_model);
+    let prior = prior_angles_sd(model, &motion_prior, &motions, &sequence.intervals_s())?;
     unseen::warning(model, frames, &prior)
 }
 

@@ -7,9 +7,8 @@ use nalgebra::DVector;
 
 use super::{FittedFrame, Warning};
 use crate::body::{BodyModel, Layout, Motion};
-use crate::inference::chain::ChainPrior;
-use crate::inference::prior::PosePrior;
-use crate::solver::{BorderedChain, NormalEquations};
+use crate::inference::motion_prior::MotionPrior;
+use crate::solver::BorderedChain;
 
 /// An angle whose standard deviation is at least this share of what the priors leave has learnt nothing from the data.
 const UNTOUCHED: f64 = 0.9;
@@ -19,24 +18,18 @@ const UNTOUCHED: f64 = 0.9;
 /// `seconds[i]` lie between frames i − 1 and i.
 pub fn prior_angles_sd(
     model: &BodyModel,
-    chain_prior: &ChainPrior,
+    motion_prior: &MotionPrior,
     motions: &[Motion],
     seconds: &[f64],
 ) -> Option<Vec<DVector<f64>>> {
     let layout = Layout::new(model);
     let (m, root) = (layout.motion(), layout.root());
-    let pose_prior = PosePrior::new(model);
 
     // H of the priors, the root held
-    let mut chain = BorderedChain::zeros(motions.len(), m, 0, chain_prior.reach());
-    for (i, motion) in motions.iter().enumerate() {
-        let mut equations = NormalEquations::zeros(m);
-        let lasts_s = if i == 0 { f64::INFINITY } else { seconds[i] };
-        pose_prior.linearize_lasting(motion, lasts_s, &mut equations);
-        let link = &mut chain.links[i];
-        link.diagonal += equations.hessian;
+    let mut chain = BorderedChain::zeros(motions.len(), m, 0, motion_prior.reach());
+    motion_prior.linearize(motions, seconds, &mut chain.links);
+    for link in &mut chain.links {
         (0..root).for_each(|k| link.diagonal[(k, k)] += 1.0);
-        chain_prior.linearize(motions, seconds, i, &mut chain.links);
     }
 
     let mut all = Vec::with_capacity(motions.len());

@@ -10,6 +10,7 @@ use maquette::inference::camera_offset::CameraOffset;
 use maquette::inference::camera_prior::{CameraPrior, Free, PoseErrors};
 use maquette::inference::chain::{ChainPrior, SWING_HZ};
 use maquette::inference::contrasts::{Contrasts, Leverages};
+use maquette::inference::motion_prior::MotionPrior;
 use maquette::inference::noise::DataWeights;
 use maquette::inference::prior::{PosePrior, ShapePrior};
 use maquette::inference::sequence_posterior::SequencePosterior;
@@ -31,8 +32,7 @@ const HAIR: f64 = 1e-5;
 struct Posterior<'a> {
     scene: &'a Scene,
     shape_prior: ShapePrior,
-    pose_prior: PosePrior,
-    chain_prior: ChainPrior,
+    motion_prior: MotionPrior,
     looks: Vec<Vec<Look<'a>>>,
     camera_prior: CameraPrior,
     contrasts: Contrasts,
@@ -44,8 +44,7 @@ impl<'a> Posterior<'a> {
         let look = |f| evidence.looks_of_all(f, Detail::Coarse);
         Self {
             shape_prior: ShapePrior::new(&scene.model),
-            pose_prior: PosePrior::new(&scene.model),
-            chain_prior: ChainPrior::new(&scene.model, motion_model),
+            motion_prior: MotionPrior::new(&scene.model, motion_model).beside(0.8, &[1.0; 4]),
             looks: scene.frames.iter().map(look).collect(),
             camera_prior: CameraPrior::trusting(),
             contrasts: Contrasts::none(scene.frames.len()),
@@ -79,8 +78,7 @@ impl<'a> Posterior<'a> {
             rig: &self.scene.rig,
             camera_prior: &self.camera_prior,
             shape_prior: &self.shape_prior,
-            pose_prior: &self.pose_prior,
-            chain_prior: &self.chain_prior,
+            motion_prior: &self.motion_prior,
             seconds: &SECONDS[..self.looks.len()],
             looks,
             weights: DataWeights { outlines: 0.4, points: 0.3, keypoints: 0.7 },
@@ -518,7 +516,7 @@ fn the_chain_is_the_gauss_newton_matrix_of_its_residuals_for_turns_up_to_nearly_
         for turn in [1e-8, 0.3, 1.5, 2.9] {
             let motions = tumbling(&scene, turn);
             let mut chain = BorderedChain::zeros(4, layout.motion(), 0, prior.reach());
-            let each = |i| prior.linearize(&motions, &SECONDS, i, &mut chain.links);
+            let each = |i| prior.linearize(&motions, &SECONDS, i, 1.0, &mut chain.links);
             let cost: f64 = (0..4).map(each).sum();
             let alone: f64 = (0..4).map(|i| prior.cost(&motions, &SECONDS, i)).sum();
             approx::assert_relative_eq!(cost, alone, max_relative = 1e-12);
@@ -545,7 +543,7 @@ impl Problem for Steps<'_> {
         (0..4).map(|i| self.prior.cost(x, &SECONDS, i)).sum()
     }
     fn linearize(&self, x: &Vec<Motion>, chain: &mut BorderedChain) -> f64 {
-        let each = |i| self.prior.linearize(x, &SECONDS, i, &mut chain.links);
+        let each = |i| self.prior.linearize(x, &SECONDS, i, 1.0, &mut chain.links);
         (0..4).map(each).sum()
     }
     fn retract(&self, x: &Vec<Motion>, delta: &DVector<f64>) -> Vec<Motion> {
@@ -616,4 +614,26 @@ fn a_second_of_motion_costs_the_same_at_any_frame_rate() {
     approx::assert_relative_eq!(slow, usual, max_relative = 0.03);
     approx::assert_relative_eq!(usual, fast, max_relative = 0.03);
     assert!(usual > 1.0, "{usual}");
+}
+
+/// ω: what stays from frame to frame counts as in two seconds, what passes as in all.
+#[test]
+fn a_motion_counts_beside_data_that_repeat_as_it_does_in_two_seconds() {
+    let scene = Scene::arm(4);
+    let motions = &scene.moved(&scene.truth, 0.2, 7).motions;
+    let once = MotionPrior::new(&scene.model, MotionModel::ConstantVelocity);
+    let counts = |staying_share: f64, seconds: &[f64]| {
+        let prior = once.beside(staying_share, seconds);
+        prior.cost(motions, &SECONDS) / once.cost(motions, &SECONDS)
+    };
+    let five = [f64::INFINITY; 1].into_iter().chain([0.5; 10]).collect::<Vec<f64>>();
+    approx::assert_relative_eq!(counts(1.0, &five), 0.4, max_relative = 1e-12);
+    approx::assert_relative_eq!(counts(0.5, &five), 0.7, max_relative = 1e-12);
+    approx::assert_relative_eq!(counts(0.0, &five), 1.0, max_relative = 1e-12);
+    approx::assert_relative_eq!(counts(1.0, &five[..5]), 1.0, max_relative = 1e-12);
+    // a second trial of five seconds, and a pause of a minute
+    let two = [&five[..], &five[..]].concat();
+    approx::assert_relative_eq!(counts(1.0, &two), 0.2, max_relative = 1e-12);
+    let paused = [&five[..], &[60.0, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5]].concat();
+    approx::assert_relative_eq!(counts(1.0, &paused), 0.2, max_relative = 1e-12);
 }

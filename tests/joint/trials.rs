@@ -7,8 +7,9 @@ use maquette::inference::camera_offset::CameraOffset;
 use maquette::inference::camera_prior::{CameraPrior, Free};
 use maquette::inference::chain::ChainPrior;
 use maquette::inference::contrasts::Contrasts;
+use maquette::inference::motion_prior::MotionPrior;
 use maquette::inference::noise::DataWeights;
-use maquette::inference::prior::{PosePrior, ShapePrior};
+use maquette::inference::prior::ShapePrior;
 use maquette::inference::sequence_posterior::SequencePosterior;
 use maquette::inference::step::MotionModel;
 use maquette::likelihood::Measure;
@@ -35,7 +36,7 @@ fn no_factor_of_the_motion_reaches_from_one_trial_to_the_next() {
     let m = Layout::new(&scene.model).motion();
     let mut model = BorderedChain::zeros(4, m, 0, chain.reach());
     for i in 0..4 {
-        chain.linearize(motions, &SECONDS, i, &mut model.links);
+        chain.linearize(motions, &SECONDS, i, 1.0, &mut model.links);
     }
     let largest = |i: usize, k: usize| model.links[i].couplings[k].amax();
     assert!(largest(1, 0) > 0.0 && largest(3, 0) > 0.0);
@@ -80,8 +81,7 @@ fn a_camera_of_two_trials_is_linearized_right_with_one_pose_and_two_clocks() {
         rig: &rig,
         camera_prior: &camera_prior,
         shape_prior: &ShapePrior::new(&scene.model),
-        pose_prior: &PosePrior::new(&scene.model),
-        chain_prior: &ChainPrior::new(&scene.model, MotionModel::ConstantVelocity),
+        motion_prior: &MotionPrior::new(&scene.model, MotionModel::ConstantVelocity),
         seconds: &SECONDS,
         looks: &looks,
         weights: DataWeights::all(0.4),

@@ -2,8 +2,8 @@
 
 use maquette::body::Posed;
 use maquette::body::metaball::Field;
-use maquette::inference::chain::ChainPrior;
 use maquette::inference::joint::{JointOptimum, JointOptions, joint_optimum};
+use maquette::inference::motion_prior::MotionPrior;
 use maquette::likelihood::Measure;
 use maquette::pipeline::prior_angles_sd;
 use nalgebra::DVector;
@@ -32,10 +32,10 @@ fn fitted(scene: &Scene) -> (JointOptimum, Vec<DVector<f64>>) {
     let evidence = scene.evidence(Measure::Metaballs);
     let start = scene.moved(&scene.truth, 0.02, 61);
     let joint = joint_optimum(&evidence, scene.sequence(), start, &options);
-    let chain = ChainPrior::new(&scene.model, options.motion_model);
+    let prior = MotionPrior::new(&scene.model, options.motion_model);
     let motions: Vec<_> = joint.frames.iter().map(|f| f.motion.clone()).collect();
     let seconds = scene.sequence().intervals_s();
-    let prior = prior_angles_sd(&scene.model, &chain, &motions, &seconds);
+    let prior = prior_angles_sd(&scene.model, &prior, &motions, &seconds);
     (joint, prior.expect("priors hold every angle"))
 }
 
@@ -59,9 +59,9 @@ fn an_angle_that_nothing_sees_is_as_uncertain_as_its_prior() {
 fn the_priors_alone_leave_what_a_tridiagonal_matrix_of_one_angle_leaves() {
     let scene = Scene::arm(5);
     let model = maquette::inference::step::MotionModel::ConstantPosition;
-    let chain = ChainPrior::new(&scene.model, model);
+    let prior = MotionPrior::new(&scene.model, model);
     let seconds = scene.sequence().intervals_s();
-    let found = prior_angles_sd(&scene.model, &chain, &scene.truth.motions, &seconds);
+    let found = prior_angles_sd(&scene.model, &prior, &scene.truth.motions, &seconds);
     let joint = &scene.model.joints[ELBOW];
     // p(m) whole, then for each frame vΔ/4S of it and θ̇²Δ/2Sv of its velocity
     let rest = joint.spread.powi(-2);

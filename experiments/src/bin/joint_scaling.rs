@@ -20,9 +20,9 @@ use experiments::walker;
 use maquette::body::BodyModel;
 use maquette::inference::SequenceState;
 use maquette::inference::camera_prior::CameraPrior;
-use maquette::inference::chain::ChainPrior;
 use maquette::inference::contrasts::Contrasts;
 use maquette::inference::joint::{JointOptions, joint_optimum, joint_optimum_from_terms};
+use maquette::inference::motion_prior::MotionPrior;
 use maquette::inference::noise::DataWeights;
 use maquette::inference::search::{NoJournal, SearchOptions, search};
 use maquette::inference::sequence_posterior::SequencePosterior;
@@ -164,16 +164,15 @@ impl Cycle<'_> {
 
     /// One linearisation, one step, the marginals: milliseconds a frame.
     fn stages_ms(&self, looks: &[Vec<Look<'_>>], seconds: &[f64]) -> [f64; 3] {
-        let chain_prior =
-            ChainPrior::new(self.evidence.model, JointOptions::default().motion_model);
+        let motion_prior =
+            MotionPrior::new(self.evidence.model, JointOptions::default().motion_model);
         let looks: Vec<Vec<&Look<'_>>> = looks.iter().map(|frame| frame.iter().collect()).collect();
         let posterior = SequencePosterior {
             model: self.evidence.model,
             rig: self.evidence.rig,
             camera_prior: &CameraPrior::trusting(),
             shape_prior: &self.evidence.shape_prior,
-            pose_prior: &self.evidence.pose_prior,
-            chain_prior: &chain_prior,
+            motion_prior: &motion_prior,
             seconds,
             looks: &looks,
             weights: DataWeights::all(1.0),
