@@ -25,7 +25,7 @@ use super::step::MotionModel;
 use crate::body::{BodyModel, Layout, Motion};
 use crate::solver::{Link, NormalEquations};
 
-/// W: two strides. Simulated persons of another make err least with two to four seconds.
+/// W: two strides. Simulated persons of other makes err alike with two to six seconds, and more with one (docs/decisions, 0033).
 const REPEATS_AFTER_S: f64 = 2.0;
 
 /// −log p(m₁..ₙ).

@@ -3,8 +3,9 @@
 //! E(s, m₁..ₙ, c) = −log p(s) − log p(c) + Σᵢ \[−w log p(Zᵢ | mᵢ, s, c) + E_d\] − ω log p(m₁..ₙ)
 //!
 //! A frame's terms touch its own motion and the shape, a motion's factor touches its neighbours: g and H are a
-//! [`BorderedChain`] with the shape as border, and after it the cameras c where they are unknowns. w is how often the data count,
-//! see [`super::noise`], ω how often what is known of motions does ([`super::motion_prior`]), and E_d what the differences between cameras side by side say beyond that: [`super::contrasts`].
+//! [`BorderedChain`] with the shape as border, and after it the cameras c where they are unknowns. w is how often the data count
+//! ([`super::noise`]), ω how often what is known of motions does ([`super::motion_prior`]), and E_d what the differences between cameras side by
+//! side say beyond that ([`super::contrasts`]).
 //!
 //! What one camera shows is a [`Look`] at a body that is moved by the camera's offset and its clock: `look_sum.rs`.
 

@@ -6,7 +6,8 @@
 //!
 //! E(s, c, m) = −log p(s) − log p(c) + Σₖ Eₖ(s, c, mₖ),  Eₖ the data and the motion prior of trial k.
 //!
-//! It is the joint optimum of a recording and nothing else, in O(all frames). p(s) and p(c) count once, and not once a trial. A camera
+//! It is the joint optimum of a recording and nothing else, in O(all frames). p(s) and p(c) count once, and not once a trial; what is known of motions counts
+//! as in two seconds of one trial ([`motion_prior`](crate::inference::motion_prior)). A camera
 //! whose calibration is the same in two trials has one pose in both; each trial has its own clocks. How much the data count
 //! is estimated from all trials together ([`Noise`](crate::inference::noise::Noise)): what repeats at one place of the body in every trial, a
 //! fold or a wrong girth, counts once however many trials there are.
