@@ -177,7 +177,7 @@ pub fn joint_optimum(
 const APPROACH: [usize; 2] = [4, 6];
 
 /// The joint optimum of what each frame shows; `seconds[i]` lie between frames i − 1 and i, infinitely many where another trial
-/// begins ([`ChainPrior`]): trials share s, and the cameras that `terms` says are the same. `step` is called
+/// begins ([`chain`](super::chain)): trials share s, and the cameras that `terms` says are the same. `step` is called
 /// [`JointOptions::most_steps`] times at most, the last time when all is done.
 pub fn joint_optimum_from_terms<'a>(
     evidence: &Evidence<'_>,
