@@ -101,7 +101,7 @@ impl ChainPrior {
         self.factors(motions, seconds, i).iter().map(Factor::cost).sum()
     }
 
-    /// Adds the factors whose last motion is that of frame `i`, each so many times; their cost, once.
+    /// Adds the factors whose last motion is that of frame `i`, each so many times.
     pub fn linearize(
         &self,
         motions: &[Motion],
@@ -111,12 +111,8 @@ impl ChainPrior {
         links: &mut [Link],
     ) -> f64 {
         let mut factors = self.factors(motions, seconds, i);
-        let cost = factors.iter().map(Factor::cost).sum();
-        for factor in &mut factors {
-            factor.precision *= times;
-            factor.add_to(self.layout, i, links);
-        }
-        cost
+        factors.iter_mut().for_each(|factor| factor.precision *= times);
+        factors.iter().map(|factor| factor.add_to(self.layout, i, links)).sum()
     }
 
     fn factors(&self, motions: &[Motion], seconds: &[f64], i: usize) -> Vec<Factor> {
@@ -173,7 +169,7 @@ impl Factor {
         0.5 * self.residual.component_mul(&self.residual).dot(&self.precision)
     }
 
-    fn add_to(&self, layout: Layout, i: usize, links: &mut [Link]) {
+    fn add_to(&self, layout: Layout, i: usize, links: &mut [Link]) -> f64 {
         let pull = self.residual.component_mul(&self.precision);
         for (a, slope) in self.slopes.iter().enumerate() {
             slope.add_gradient(layout, &pull, &mut links[i - a].gradient);
@@ -184,6 +180,7 @@ impl Factor {
                 slope.add_product(layout, &self.precision, other, block);
             }
         }
+        self.cost()
     }
 }
 

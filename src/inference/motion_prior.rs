@@ -53,7 +53,7 @@ impl MotionPrior {
     /// lie between frames i − 1 and i.
     #[must_use]
     pub fn beside(&self, staying_share: f64, seconds: &[f64]) -> Self {
-        // a pause shows nothing
+        // T, in which a pause counts W at most
         let between = seconds.iter().skip(1).filter(|interval_s| interval_s.is_finite());
         let lasts_s: f64 = between.map(|interval_s| interval_s.min(REPEATS_AFTER_S)).sum();
         let of_window = REPEATS_AFTER_S / lasts_s.max(REPEATS_AFTER_S);
@@ -89,13 +89,14 @@ impl MotionPrior {
             // limits and rest
             equations.hessian.fill(0.0);
             equations.gradient.fill(0.0);
-            cost += self.pose.linearize_lasting(motion, lasts_s(seconds, i), &mut equations);
+            let pose = self.pose.linearize_lasting(motion, lasts_s(seconds, i), &mut equations);
+            cost += self.counts * pose;
             links[i].diagonal += self.counts * &equations.hessian;
             links[i].gradient += self.counts * &equations.gradient;
             // how it follows the ones before
             cost += self.chain.linearize(motions, seconds, i, self.counts, links);
         }
-        self.counts * cost
+        cost
     }
 
     /// The precision of one motion about a pose: limits and rest, once.

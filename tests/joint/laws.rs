@@ -626,7 +626,7 @@ fn a_motion_counts_beside_data_that_repeat_as_it_does_in_two_seconds() {
         let prior = once.beside(staying_share, seconds);
         prior.cost(motions, &SECONDS) / once.cost(motions, &SECONDS)
     };
-    let five = [f64::INFINITY; 1].into_iter().chain([0.5; 10]).collect::<Vec<f64>>();
+    let five: Vec<f64> = std::iter::once(f64::INFINITY).chain([0.5; 10]).collect();
     approx::assert_relative_eq!(counts(1.0, &five), 0.4, max_relative = 1e-12);
     approx::assert_relative_eq!(counts(0.5, &five), 0.7, max_relative = 1e-12);
     approx::assert_relative_eq!(counts(0.0, &five), 1.0, max_relative = 1e-12);
