@@ -251,8 +251,6 @@ struct Round<'l> {
     looks: Vec<Vec<Look<'l>>>,
     noise: Noise,
     shape_prior: ShapePrior,
-    /// With ω.
-    motion_prior: MotionPrior,
     contrasts: Contrasts,
     solution: Solution<SequenceState, BorderedChain>,
 }
@@ -284,7 +282,7 @@ impl Search<'_, '_> {
 
         let counted = Counted { problem: &posterior, step: self.step };
         let solution = levenberg_marquardt(&counted, start, solver);
-        Round { looks: open, noise, shape_prior, motion_prior, contrasts, solution }
+        Round { looks: open, noise, shape_prior, contrasts, solution }
     }
 
     /// The same without the data that lie in folds of the skin.
@@ -300,11 +298,11 @@ impl Search<'_, '_> {
 
     /// How sure an optimum is.
     fn uncertainty(&self, round: &Round<'_>) -> Option<Uncertainty> {
-        let Round { looks, noise, shape_prior, motion_prior, contrasts, solution } = round;
+        let Round { looks, noise, shape_prior, contrasts, solution } = round;
         let Solution { state, model: chain, .. } = solution;
         let looks = self.within(looks, state);
         let posterior = self.posterior(&looks, shape_prior, contrasts);
-        let error = RepeatedError::new(&posterior, motion_prior, state, chain, noise)?;
+        let error = RepeatedError::new(&posterior, state, chain, noise)?;
         Uncertainty::new(self.evidence.model, state, self.camera_prior, &error)
     }
 

@@ -29,7 +29,6 @@
 
 use nalgebra::DMatrix;
 
-use super::motion_prior::MotionPrior;
 use super::noise::Noise;
 use super::sequence_posterior::SequencePosterior;
 use super::sequence_state::SequenceState;
@@ -48,18 +47,19 @@ pub(super) struct RepeatedError {
 const MOST_FOLLOWED: f64 = 0.9;
 
 impl RepeatedError {
-    /// Of an optimum that was found with this noise and `motion_prior`, of which `chain` is H, by the posterior of data and motions that count
-    /// once; `None` where a matrix is singular.
+    /// Of an optimum that was found with this noise, of which `chain` is H, by the posterior of data and motions that count once; `None` where a
+    /// matrix is singular.
     pub(super) fn new(
         posterior: &SequencePosterior<'_>,
-        motion_prior: &MotionPrior,
         optimum: &SequenceState,
         chain: &BorderedChain,
         noise: &Noise,
     ) -> Option<Self> {
         // the priors of H, and the data without them
         let mut priors = posterior.empty_model();
-        SequencePosterior { motion_prior, ..*posterior }.linearize_priors(optimum, &mut priors);
+        let beside = posterior.motion_prior.beside(noise.staying_share(), posterior.seconds);
+        let sought = SequencePosterior { motion_prior: &beside, ..*posterior };
+        sought.linearize_priors(optimum, &mut priors);
         let mut shared_prior = priors.corner.clone();
         shared_prior.fill_upper_triangle_with_lower_triangle();
         let m = Layout::new(posterior.model).motion();
