@@ -167,6 +167,11 @@ pub enum Cause {
         /// The largest share of a mask that they are.
         share: f64,
     },
+    /// The masks hold shadows on the floor. They were left out.
+    Shadows {
+        /// The share of the masks' area that was left out.
+        share: f64,
+    },
     /// The joint optimum put some cameras farther from their calibrated places than anybody moves one. They were left out.
     Strayed {
         /// The cameras.

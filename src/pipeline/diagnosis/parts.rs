@@ -32,7 +32,7 @@ const PIXELS: f64 = 64.0;
 /// So many cameras are believed against one.
 pub(in crate::pipeline) const AGREEING: usize = 3;
 /// What lies no farther outside of a silhouette is its border: cameras that were touched show it so far off, metres.
-const BORDER_M: f64 = 0.1;
+pub(super) const BORDER_M: f64 = 0.1;
 /// More than an arm and less than a leg, of a person's area: those are 5 and 20 % of the mass (de Leva 1996).
 const LEAST_SHARE: f64 = 0.15;
 /// What a camera lacks is so many times what is off, or what stands alone so many times what lacks.
@@ -148,12 +148,7 @@ pub(super) struct Views<'a> {
 impl<'a> Views<'a> {
     /// `None` if the cameras do not look at one place, or if they are too few to believe most of them.
     pub(super) fn of(rig: &'a Rig, frame: &'a FrameObservations) -> Option<Self> {
-        let view = |(id, shown): &'a (CameraId, Silhouette)| View {
-            id: *id,
-            camera: &rig.cameras[id.0],
-            shown,
-        };
-        let views: Vec<View<'a>> = frame.views.iter().map(view).collect();
+        let views: Vec<View<'a>> = View::of(rig, frame).collect();
         let subject = closest_point(&lines_of_sight(rig, frame));
         subject.filter(|_| views.len() > AGREEING).map(|subject| Self { views, subject })
     }
@@ -171,19 +166,32 @@ impl<'a> Views<'a> {
 
 /// A silhouette and its camera.
 #[derive(Debug, Clone, Copy)]
-struct View<'a> {
+pub(super) struct View<'a> {
     id: CameraId,
-    camera: &'a Camera,
+    pub(super) camera: &'a Camera,
     shown: &'a Silhouette,
 }
 
-impl View<'_> {
-    /// Whether something is seen at a place; `None` where the camera does not look.
-    fn sees(&self, place: &Point3<f64>) -> Option<bool> {
-        let pixel = self.camera.project_undistorted(place)?;
-        if !self.shown.sees(&pixel) {
-            return None;
-        }
+impl<'a> View<'a> {
+    /// What each camera shows.
+    pub(super) fn of(rig: &'a Rig, frame: &'a FrameObservations) -> impl Iterator<Item = Self> {
+        let views = frame.views.iter();
+        views.map(|(id, shown)| Self { id: *id, camera: &rig.cameras[id.0], shown })
+    }
+
+    /// Where it shows a place; `None` where the camera does not look.
+    fn pixel(&self, place: &Point3<f64>) -> Option<Point2<f64>> {
+        self.camera.project_undistorted(place).filter(|pixel| self.shown.sees(pixel))
+    }
+
+    /// Whether a place lies in its silhouette; `None` where the camera does not look.
+    pub(super) fn holds(&self, place: &Point3<f64>) -> Option<bool> {
+        Some(self.shown.contains(&self.pixel(place)?))
+    }
+
+    /// Whether something is seen at a place, with the border; `None` where the camera does not look.
+    pub(super) fn sees(&self, place: &Point3<f64>) -> Option<bool> {
+        let pixel = self.pixel(place)?;
         let depth_m = (self.camera.camera_from_world * place).z;
         let (outside_px, _) = self.shown.outside.sample(&pixel);
         Some(outside_px * depth_m < BORDER_M * self.camera.intrinsics.focal_px())

@@ -209,6 +209,11 @@ impl Cause {
                 cameras.join(", "),
                 100.0 * share
             ),
+            Self::Shadows { share } => write!(
+                f,
+                "the masks hold shadows on the floor, {:.0} % of their area: they were left out, and with them what they hide of the feet",
+                100.0 * share
+            ),
             Self::Strayed { cameras } => write!(
                 f,
                 "{} left out, for no place near the calibrated one explains what they show: the masks hold something that the other cameras do not see, or lack a part of the person, or the camera was moved far; look at the masks, or calibrate again",

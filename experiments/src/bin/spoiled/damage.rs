@@ -10,6 +10,8 @@ use nalgebra::{Point3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use crate::shadows::{around_feet, cast, darkened};
+
 /// A way to spoil a recording.
 pub(crate) struct Damage {
     pub(crate) name: &'static str,
@@ -129,6 +131,8 @@ fn masks() -> Vec<Damage> {
                 Some(if c == 1 || c == last { joined(m, &wardrobe(m)) } else { m.clone() })
             })
         }),
+        damage("a lamp's shadow", "shadows on the floor", |r| darkened(r, cast)),
+        damage("the dark around the feet", "shadows on the floor", |r| darkened(r, around_feet)),
         damage("stale picture of the room", "never moves", |r| {
             let first = r.masks[0].clone();
             r.with_masks(move |_, c, m| Some(joined(m, first[c].as_ref()?)))
