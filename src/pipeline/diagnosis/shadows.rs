@@ -15,7 +15,8 @@
 //! touched or are late see a shadow elsewhere. A place above the floor is the person's if nearly all cameras that look see something
 //! there, and half of them by pixels that cannot show a shadow. A pixel that may show a shadow, or lies next to such, shows the person
 //! if its line of sight meets such a place. Whether the person is seen at the others is unknown, as where somebody else stands before
-//! them. A border point that may be a shadow's does not count, whatever lies before it.
+//! them. A border point counts where the pixel within shows the person, unless its own line of sight meets S(f): whatever it passes
+//! before, that may be the border of a shadow.
 
 use std::borrow::Cow;
 use std::f64::consts::{PI, TAU};
@@ -28,7 +29,7 @@ use super::cause::Cause;
 use super::level::Level;
 use super::parts::{AGREEING, BORDER_M, View};
 use super::shown_by_two;
-use crate::camera::{Ray, Rig, closest_point};
+use crate::camera::{Camera, Ray, Rig, closest_point};
 use crate::inference::hull::lines_of_sight;
 use crate::silhouette::{ContourPoint, FrameObservations};
 
@@ -107,13 +108,24 @@ fn cleared(rig: &Rig, frame: &FrameObservations, floor_m: f64) -> FrameObservati
     for (id, shown) in &mut cleared.views {
         let camera = &rig.cameras[id.0];
         let shows_person = |pixel: &Point2<f64>| shaded.shows_person(&camera.ray(pixel));
-        let is_sure = |pixel: &Point2<f64>| !shaded.may_show_shadow(&camera.ray(pixel));
-        let is_border = |point: &ContourPoint| f64::from(u8::from(is_sure(&point.pixel)));
+        // a mask ends at its border
+        let within_px = within_px(camera, &around.subject);
+        let is_border = |point: &ContourPoint| {
+            let within = point.pixel - point.normal * within_px;
+            let is_sure = !shaded.shows_shadow(&camera.ray(&point.pixel));
+            f64::from(u8::from(is_sure && shows_person(&within)))
+        };
         if let Some(own) = shown.share(is_border, shows_person) {
             *shown = own;
         }
     }
     cleared
+}
+
+/// Half a place, in the picture.
+fn within_px(camera: &Camera, subject: &Point3<f64>) -> f64 {
+    let depth_m = (camera.camera_from_world * subject).z;
+    0.5 * CELL_M * camera.intrinsics.focal_px() / depth_m
 }
 
 fn area_px(frames: &[FrameObservations]) -> f64 {
@@ -188,6 +200,8 @@ fn are_on_all_sides(views: &[View<'_>], subject: &Point3<f64>) -> bool {
 /// Where a frame shows shadows, and where the person.
 struct Shaded {
     floor_m: f64,
+    /// S(f), with a place around.
+    shadow: Level,
     /// F, and that with what lies next to it.
     floor: Level,
     near: Level,
@@ -202,7 +216,12 @@ impl Shaded {
             let place = Point3::new(place.x, place.y, floor_m);
             around.most(|view| view.sees(&place))
         });
-        let mut shaded = Self { floor_m, near: floor.widened(BORDER_M), floor, person: Vec::new() };
+        let shadow = Level::new(&middle, SHADOW_M, CELL_M, |place| {
+            let place = Point3::new(place.x, place.y, floor_m);
+            around.most(|view| view.holds(&place))
+        });
+        let (shadow, near) = (shadow.widened(CELL_M), floor.widened(BORDER_M));
+        let mut shaded = Self { floor_m, shadow, near, floor, person: Vec::new() };
         let person = |level: usize| {
             let height_m = floor_m + (level as f64 + 0.5) * CELL_M;
             Level::new(&middle, REACH_M, CELL_M, |place| {
@@ -246,9 +265,9 @@ impl Shaded {
         (along.is_finite() && along > 0.0).then_some(along)
     }
 
-    /// Whether a line of sight meets the floor in F.
-    fn may_show_shadow(&self, ray: &Ray) -> bool {
-        let meets = |along: f64| self.floor.contains(&ray.point_at(along).xy());
+    /// Whether a line of sight meets a shadow, whatever it passes before.
+    fn shows_shadow(&self, ray: &Ray) -> bool {
+        let meets = |along: f64| self.shadow.contains(&ray.point_at(along).xy());
         self.to_floor(ray).is_some_and(meets)
     }
 
@@ -274,7 +293,7 @@ mod tests {
     use nalgebra::{Rotation3, Vector3};
 
     use super::*;
-    use crate::camera::{Camera, CameraId};
+    use crate::camera::CameraId;
     use crate::image::Mask;
     use crate::pipeline::diagnosis::figures::{Figures, joined};
 
