@@ -1,10 +1,9 @@
 //! Shadows on the floor: a picture of the empty room does not tell them from the person.
 //!
 //! Cameras on all sides see a place of the floor through the person only where the person stands; they all see a shadow. Let S(z) be the
-//! places at height z where most of the cameras that look see something
-//! (of fewer than four all). Lines of sight that meet on the floor part above and below
-//! it, so S is large at the floor where there is a shadow, and about as large at the floor as at the shins where there is none. The
-//! floor is sought where
+//! places at height z where most of the cameras that look see something (of fewer than four all). Lines of sight that meet on the floor
+//! part above and below it, so S is large at the floor where there is a shadow, and about as large at the floor as at the shins where
+//! there is none. The floor is sought where
 //!
 //! f = argmax |S(z)| near argmax |S(z)| − |S(z + h)|,  h = [`SHIN_M`],
 //!
@@ -122,7 +121,7 @@ fn cleared(rig: &Rig, frame: &FrameObservations, floor_m: f64) -> FrameObservati
     cleared
 }
 
-/// Half a place, in the picture.
+/// Half a cell, in the picture.
 fn within_px(camera: &Camera, subject: &Point3<f64>) -> f64 {
     let depth_m = (camera.camera_from_world * subject).z;
     0.5 * CELL_M * camera.intrinsics.focal_px() / depth_m
@@ -200,7 +199,7 @@ fn are_on_all_sides(views: &[View<'_>], subject: &Point3<f64>) -> bool {
 /// Where a frame shows shadows, and where the person.
 struct Shaded {
     floor_m: f64,
-    /// S(f), with a place around.
+    /// S(f), with a cell around.
     shadow: Level,
     /// F, and that with what lies next to it.
     floor: Level,
