@@ -21,6 +21,12 @@ impl Ray {
         self.origin_world + self.direction_world.into_inner() * t
     }
 
+    /// Distance along the ray to where it is this high, metres; `None` where it never is.
+    pub fn to_height(&self, height_m: f64) -> Option<f64> {
+        let along = (height_m - self.origin_world.z) / self.direction_world.z;
+        (along.is_finite() && along > 0.0).then_some(along)
+    }
+
     /// Distance along the ray to the foot of the perpendicular from a point.
     fn foot_of(&self, point_world: &Point3<f64>) -> f64 {
         (point_world - self.origin_world).dot(&self.direction_world)
@@ -79,6 +85,16 @@ mod tests {
         let met = closest_point(&rays).unwrap();
         approx::assert_relative_eq!(met, Point3::from(point), epsilon = 1e-12);
         assert!(rays.iter().all(|ray| ray.distance_to(&met) < 1e-12));
+    }
+
+    #[test]
+    fn a_ray_that_goes_down_meets_the_floor_and_no_other_does() {
+        let down = ray([1.0, 0.0, 2.0], [1.0, 1.0, 1.0]);
+        let met = down.point_at(down.to_height(0.0).unwrap());
+        approx::assert_relative_eq!(met, Point3::new(1.0, 2.0, 0.0), epsilon = 1e-12);
+        let level = ray([1.0, 0.0, 2.0], [1.0, 1.0, 2.0]);
+        let up = ray([1.0, 0.0, 2.0], [1.0, 1.0, 3.0]);
+        assert_eq!([level, up].map(|ray| ray.to_height(0.0)), [None, None]);
     }
 
     #[test]

@@ -28,6 +28,9 @@ const VOXEL: f64 = 0.04;
 /// Half the depth of a person in a stride, metres.
 const HALF_DEPTH_M: f64 = 0.4;
 
+/// From so many cameras on, one may miss a place: a bitten mask must not cut a leg off.
+pub const FORGIVING: usize = 5;
+
 /// Fewer points do not tell where a body is.
 pub const LEAST_POINTS: usize = 200;
 
@@ -103,8 +106,7 @@ pub fn subject(rig: &Rig, frame: &FrameObservations) -> Option<Point3<f64>> {
 
 /// Carves the hull around the subject; `None` where no voxel survives.
 ///
-/// A voxel is kept if it lies in every silhouette that its camera can see; with five or more such
-/// cameras one may disagree (a bitten mask must not cut a leg off). The hull of cameras that stand side by side is open in depth;
+/// A voxel is kept if [nearly all](nearly_all) silhouettes whose cameras look there hold it. The hull of cameras that stand side by side is open in depth;
 /// there the parallax of the silhouettes' centroids says how far away the body is, and only what is near that place is kept.
 pub fn carve(rig: &Rig, frame: &FrameObservations) -> Option<Hull> {
     let sights = lines_of_sight(rig, frame);
@@ -141,17 +143,22 @@ pub fn carve(rig: &Rig, frame: &FrameObservations) -> Option<Hull> {
 }
 
 fn occupied(rig: &Rig, frame: &FrameObservations, voxel: &Point3<f64>) -> bool {
-    let (mut seen, mut missed) = (0, 0);
-    for (camera, silhouette) in &frame.views {
+    nearly_all(frame.views.iter().filter_map(|(camera, silhouette)| {
         let pixel = rig.cameras[camera.0].project_undistorted(voxel);
-        let Some(pixel) = pixel.filter(|pixel| silhouette.sees(pixel)) else {
-            continue;
-        };
-        seen += 1;
-        missed += usize::from(!silhouette.contains(&pixel));
-        if missed > 1 {
+        let pixel = pixel.filter(|pixel| silhouette.sees(pixel))?;
+        Some(silhouette.contains(&pixel))
+    }))
+}
+
+/// Whether nearly all cameras that look at a place see something there: two or more, and all but one of [`FORGIVING`] or more.
+pub fn nearly_all(seeing: impl Iterator<Item = bool>) -> bool {
+    let (mut looking, mut missing) = (0, 0);
+    for sees in seeing {
+        looking += 1;
+        missing += usize::from(!sees);
+        if missing > 1 {
             return false;
         }
     }
-    seen >= 2 && (missed == 0 || seen >= 5)
+    looking >= 2 && (missing == 0 || looking >= FORGIVING)
 }

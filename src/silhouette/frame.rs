@@ -48,6 +48,20 @@ impl FrameObservations {
         }
     }
 
+    /// With other silhouettes in place of these; `None` leaves a camera out.
+    #[must_use]
+    pub fn with_views(&self, of: impl Fn(CameraId, &Silhouette) -> Option<Silhouette>) -> Self {
+        let views = self.views.iter().filter_map(|(id, shown)| Some((*id, of(*id, shown)?)));
+        Self {
+            frame: self.frame,
+            views: views.collect(),
+            rejected: self.rejected.clone(),
+            detections: self.detections.clone(),
+            points: self.points.clone(),
+            points_left_out: self.points_left_out,
+        }
+    }
+
     /// Whether anything was seen of the body: a silhouette, points, or a detection.
     pub fn is_observed(&self) -> bool {
         !(self.views.is_empty() && self.points.is_empty() && self.detections.is_empty())

@@ -14,11 +14,11 @@
 //! | `agreeing.rs`    | what the cameras show that agree, for the search                  |
 //! | `cleared.rs`     | what of the masks can be used: without the four below              |
 //! | `rods.rs`        | walking aids in the masks                                         |
-//! | `shadows.rs`      | shadows on the floor in the masks                                 |
+//! | `shadows.rs`     | shadows on the floor in the masks                                 |
 //! | `things.rs`      | what never moves while the person walks, taken out of the masks   |
 //! | `parts.rs`       | cameras that lack a part of the person, or hold something else    |
 //! | `cropped.rs`     | masks that end at an upright line inside the picture              |
-//! | `level.rs`        | cells of a level plane                                            |
+//! | `level.rs`       | cells of a level plane                                            |
 //! | `room.rs`        | what stands still in the masks, and stays there                   |
 //! | `volume.rs`      | what the silhouettes hold beside the body, and how tall it is     |
 //! | `thin.rs`        | whether the masks have lost arms, hands and feet                  |

@@ -180,7 +180,7 @@ impl<'a> View<'a> {
     }
 
     /// Where it shows a place; `None` where the camera does not look.
-    fn pixel(&self, place: &Point3<f64>) -> Option<Point2<f64>> {
+    pub(super) fn pixel(&self, place: &Point3<f64>) -> Option<Point2<f64>> {
         self.camera.project_undistorted(place).filter(|pixel| self.shown.sees(pixel))
     }
 

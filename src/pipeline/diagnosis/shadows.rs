@@ -29,7 +29,7 @@ use super::level::Level;
 use super::parts::{AGREEING, BORDER_M, View};
 use super::shown_by_two;
 use crate::camera::{Camera, Ray, Rig, closest_point};
-use crate::inference::hull::lines_of_sight;
+use crate::inference::hull::{FORGIVING, lines_of_sight, nearly_all};
 use crate::silhouette::{ContourPoint, FrameObservations};
 
 /// Frames that are looked at first.
@@ -52,8 +52,6 @@ const STANDING_M: f64 = 1.0;
 const FEET_M2: f64 = 2.0 * 0.36 * 0.16;
 /// What the floor shows is so many times what the shins do: a long skirt is as wide at both.
 const MORE: f64 = 1.5;
-/// From so many cameras on, one may be wrong about a place.
-const FORGIVING: usize = 5;
 
 /// A recording without the shadows that its masks hold.
 #[derive(Debug, Clone)]
@@ -101,10 +99,9 @@ fn floor_m(frames: &[Around<'_>]) -> Option<f64> {
 
 /// A frame without what may show a shadow.
 fn cleared(rig: &Rig, frame: &FrameObservations, floor_m: f64) -> FrameObservations {
-    let mut cleared = frame.clone();
-    let Some(around) = Around::of(rig, frame) else { return cleared };
+    let Some(around) = Around::of(rig, frame) else { return frame.clone() };
     let shaded = Shaded::new(&around, floor_m);
-    for (id, shown) in &mut cleared.views {
+    frame.with_views(|id, shown| {
         let camera = &rig.cameras[id.0];
         let shows_person = |pixel: &Point2<f64>| shaded.shows_person(&camera.ray(pixel));
         // a mask ends at its border
@@ -114,11 +111,8 @@ fn cleared(rig: &Rig, frame: &FrameObservations, floor_m: f64) -> FrameObservati
             let is_sure = !shaded.shows_shadow(&camera.ray(&point.pixel));
             f64::from(u8::from(is_sure && shows_person(&within)))
         };
-        if let Some(own) = shown.share(is_border, shows_person) {
-            *shown = own;
-        }
-    }
-    cleared
+        shown.share(is_border, shows_person)
+    })
 }
 
 /// Half a cell, in the picture.
@@ -147,7 +141,7 @@ impl<'a> Around<'a> {
     }
 
     /// Whether most cameras that look see something at a place, of fewer than four all.
-    fn most(&self, sees: impl Fn(&View<'_>) -> Option<bool>) -> bool {
+    fn most(&self, sees: impl Fn(&View<'a>) -> Option<bool>) -> bool {
         let (mut seeing, mut denying) = (0, 0);
         for sees in self.views.iter().filter_map(sees) {
             if sees {
@@ -163,13 +157,22 @@ impl<'a> Around<'a> {
         all || seeing >= AGREEING && seeing > denying
     }
 
+    /// Where most cameras see something, at a height.
+    fn level(
+        &self,
+        height_m: f64,
+        reach_m: f64,
+        sees: impl Fn(&View<'a>, &Point3<f64>) -> Option<bool>,
+    ) -> Level {
+        Level::new(&self.subject.xy(), reach_m, CELL_M, |place| {
+            let place = Point3::new(place.x, place.y, height_m);
+            self.most(|view| sees(view, &place))
+        })
+    }
+
     /// |S(z)|.
     fn seen_m2(&self, height_m: f64) -> f64 {
-        let is_seen = |place: &Point2<f64>| {
-            let place = Point3::new(place.x, place.y, height_m);
-            self.most(|view| view.holds(&place))
-        };
-        Level::new(&self.subject.xy(), REACH_M, CELL_M, is_seen).area_m2()
+        self.level(height_m, REACH_M, View::holds).area_m2()
     }
 
     fn has_shadow(&self, floor_m: f64) -> bool {
@@ -210,20 +213,13 @@ struct Shaded {
 
 impl Shaded {
     fn new(around: &Around<'_>, floor_m: f64) -> Self {
-        let middle = around.subject.xy();
-        let floor = Level::new(&middle, SHADOW_M, CELL_M, |place| {
-            let place = Point3::new(place.x, place.y, floor_m);
-            around.most(|view| view.sees(&place))
-        });
-        let shadow = Level::new(&middle, SHADOW_M, CELL_M, |place| {
-            let place = Point3::new(place.x, place.y, floor_m);
-            around.most(|view| view.holds(&place))
-        });
-        let (shadow, near) = (shadow.widened(CELL_M), floor.widened(BORDER_M));
-        let mut shaded = Self { floor_m, shadow, near, floor, person: Vec::new() };
+        let shadow = around.level(floor_m, SHADOW_M, View::holds).widened(CELL_M);
+        let floor = around.level(floor_m, SHADOW_M, View::sees);
+        let near = floor.widened(BORDER_M);
+        let mut shaded = Self { floor_m, shadow, floor, near, person: Vec::new() };
         let person = |level: usize| {
             let height_m = floor_m + (level as f64 + 0.5) * CELL_M;
-            Level::new(&middle, REACH_M, CELL_M, |place| {
+            Level::new(&around.subject.xy(), REACH_M, CELL_M, |place| {
                 shaded.is_person(&around.views, &Point3::new(place.x, place.y, height_m))
             })
         };
@@ -233,48 +229,32 @@ impl Shaded {
 
     /// Whether a place is the person's.
     fn is_person(&self, views: &[View<'_>], place: &Point3<f64>) -> bool {
-        let (mut seeing, mut denying, mut sure) = (0, 0, 0);
-        for view in views {
-            let Some(holds) = view.holds(place) else { continue };
-            if holds {
-                seeing += 1;
-                sure += usize::from(!self.may_be_shadow(&view.camera.centre_world(), place));
-            } else {
-                denying += 1;
-            }
-            if denying > 1 {
-                return false;
-            }
+        if !nearly_all(views.iter().filter_map(|view| view.holds(place))) {
+            return false;
         }
-        let looking = seeing + denying;
-        let nearly_all = denying == 0 || looking >= FORGIVING;
-        looking >= AGREEING && nearly_all && 2 * sure >= looking
+        let may_be_shadow = |view: &View<'_>| {
+            view.pixel(place).is_some_and(|p| self.meets(&self.floor, &view.camera.ray(&p)))
+        };
+        let looking = || views.iter().filter_map(|view| Some((view, view.holds(place)?)));
+        let sure = looking().filter(|(view, holds)| *holds && !may_be_shadow(view)).count();
+        looking().count() >= AGREEING && 2 * sure >= looking().count()
     }
 
-    /// Whether the line of sight through a place meets the floor in F.
-    fn may_be_shadow(&self, from: &Point3<f64>, place: &Point3<f64>) -> bool {
-        let down = from.z - place.z;
-        let on_floor = place + (place - from) * ((place.z - self.floor_m) / down);
-        down > 0.0 && self.floor.contains(&on_floor.xy())
-    }
-
-    /// How far along a line of sight the floor is.
-    fn to_floor(&self, ray: &Ray) -> Option<f64> {
-        let along = (self.floor_m - ray.origin_world.z) / ray.direction_world.z;
-        (along.is_finite() && along > 0.0).then_some(along)
+    /// Whether a line of sight meets the floor in a level.
+    fn meets(&self, level: &Level, ray: &Ray) -> bool {
+        let is_in = |along: f64| level.contains(&ray.point_at(along).xy());
+        ray.to_height(self.floor_m).is_some_and(is_in)
     }
 
     /// Whether a line of sight meets a shadow, whatever it passes before.
     fn shows_shadow(&self, ray: &Ray) -> bool {
-        let meets = |along: f64| self.shadow.contains(&ray.point_at(along).xy());
-        self.to_floor(ray).is_some_and(meets)
+        self.meets(&self.shadow, ray)
     }
 
     /// Whether a line of sight shows the person, and no shadow.
     fn shows_person(&self, ray: &Ray) -> bool {
-        let to_floor = self.to_floor(ray);
-        let is_near = |along: &f64| self.near.contains(&ray.point_at(*along).xy());
-        let Some(to_floor) = to_floor.filter(is_near) else { return true };
+        let to_floor = ray.to_height(self.floor_m).filter(|_| self.meets(&self.near, ray));
+        let Some(to_floor) = to_floor else { return true };
         let step = 0.5 * CELL_M;
         let steps = (to_floor.min(2.0 * SHADOW_M) / step) as usize;
         (0..steps).any(|k| {
@@ -304,9 +284,9 @@ mod tests {
                     return false;
                 };
                 let ray = camera.ray(&pixel);
-                let to_floor = -ray.origin_world.z / ray.direction_world.z;
-                let place = ray.point_at(to_floor).xy();
-                to_floor > 0.0 && nalgebra::distance(&place, &middle) < radius_m
+                ray.to_height(0.0).is_some_and(|along| {
+                    nalgebra::distance(&ray.point_at(along).xy(), &middle) < radius_m
+                })
             })
         };
         rig.cameras.iter().map(mask).collect()

@@ -214,13 +214,10 @@ impl Thing {
 
 /// What a frame shows beside things.
 fn beside(frame: &FrameObservations, things: &[(CameraId, Thing)]) -> FrameObservations {
-    let mut beside = frame.clone();
-    let of_view = |(id, shown)| match things.iter().find(|(camera, _)| *camera == id) {
-        Some((_, thing)) => Some((id, thing.beside(&shown)?)),
-        None => Some((id, shown)),
-    };
-    beside.views = beside.views.into_iter().filter_map(of_view).collect();
-    beside
+    frame.with_views(|id, shown| match things.iter().find(|(camera, _)| *camera == id) {
+        Some((_, thing)) => thing.beside(shown),
+        None => Some(shown.clone()),
+    })
 }
 
 fn area(cells: &Mask) -> f64 {

@@ -4,6 +4,7 @@ use nalgebra::{Point2, Point3, Vector3};
 use rayon::prelude::*;
 
 use crate::camera::{Camera, CameraId, Ray, Rig, closest_point};
+use crate::inference::hull::nearly_all;
 use crate::silhouette::{FrameObservations, Silhouette};
 
 /// Edge of a voxel, metres: half of a forearm's width is not needed to tell people apart, half of a leg's is.
@@ -12,8 +13,6 @@ const VOXEL_M: f64 = 0.06;
 const MOST_VOXELS: f64 = 1_500_000.0;
 /// The room reaches so far to each side of where the lines of sight to the masks' middles meet, and above and below, metres.
 const REACH_M: [f64; 3] = [2.5, 2.5, 1.6];
-/// From so many cameras on, one may miss a voxel: a bitten mask must not cut a leg off.
-const FORGIVING: usize = 5;
 /// The cell of a voxel that a camera does not see.
 const UNSEEN: u32 = u32::MAX;
 
@@ -87,18 +86,8 @@ impl Room {
         });
         let shown: Vec<(&Cells, Vec<bool>)> = shown.collect();
         let is_occupied = |voxel: &usize| {
-            let (mut seen, mut missed) = (0, 0);
-            for (cells, foreground) in &shown {
-                let Some(is_shown) = foreground.get(cells.of_voxel[*voxel] as usize) else {
-                    continue;
-                };
-                seen += 1;
-                missed += usize::from(!is_shown);
-                if missed > 1 {
-                    return false;
-                }
-            }
-            seen >= 2 && (missed == 0 || seen >= FORGIVING)
+            let at = |cells: &Cells| cells.of_voxel[*voxel] as usize;
+            nearly_all(shown.iter().filter_map(|(cells, shown)| shown.get(at(cells)).copied()))
         };
         (0..self.counts.iter().product()).filter(is_occupied).collect()
     }

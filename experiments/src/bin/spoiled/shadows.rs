@@ -2,6 +2,7 @@
 
 use experiments::recorded::Recorded;
 use maquette::camera::Camera;
+use maquette::image::Mask;
 use nalgebra::{Point2, Point3};
 use rayon::prelude::*;
 
@@ -52,7 +53,7 @@ pub(crate) fn darkened(r: &Recorded, dark: fn(&[Point3<f64>]) -> Vec<Disk>) -> R
             let on_floor = &floors[camera][y * width + x];
             mask.is_foreground(x, y) || on_floor.is_some_and(|place| is_dark(frame, &place))
         };
-        Some(maquette::image::Mask::from_fn(width, mask.height(), shown))
+        Some(Mask::from_fn(width, mask.height(), shown))
     })
 }
 
@@ -62,8 +63,7 @@ fn floor(camera: &Camera) -> Vec<Option<Point2<f64>>> {
     let pixels = rows.flat_map(|y| (0..camera.width_px).map(move |x| Point2::new(x, y)));
     let meets = |pixel: Point2<u32>| {
         let ray = camera.ray(&camera.undistort(&pixel.map(f64::from))?);
-        let to_floor = -ray.origin_world.z / ray.direction_world.z;
-        (to_floor > 0.0 && to_floor < 20.0).then(|| ray.point_at(to_floor).xy())
+        Some(ray.point_at(ray.to_height(0.0)?).xy())
     };
     pixels.map(meets).collect()
 }
