@@ -131,6 +131,7 @@ impl Scene {
         let metric = RayOptions::default();
         let field = RayOptions { residual: Residual::Field, ..metric };
         let squared = RayOptions { loss: Loss::Squared, ..metric };
+        let worn = RayOptions { outward: 0.25, ..metric };
         let points = PointOptions::default();
         let points_field = PointOptions { residual: PointResidual::Field, ..points };
         vec![
@@ -139,6 +140,7 @@ impl Scene {
             ("rays, metric", Box::new(self.rays(metric))),
             ("rays, field", Box::new(self.rays(field))),
             ("rays, squared", Box::new(self.rays(squared))),
+            ("rays, of what may be worn", Box::new(self.rays(worn))),
         ]
     }
 }

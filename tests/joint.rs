@@ -16,3 +16,5 @@ mod session;
 mod trials;
 #[path = "joint/unseen.rs"]
 mod unseen;
+#[path = "joint/worn.rs"]
+mod worn;

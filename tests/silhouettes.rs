@@ -170,7 +170,11 @@ fn a_pixel_that_is_no_number_is_nowhere() {
             assert_eq!(distance.is_nan(), x.is_nan(), "{pixel}");
             assert!(x.is_nan() || distance.abs() <= 0.0, "{pixel}");
             assert!(!silhouette.contains(&pixel) && !silhouette.sees(&pixel), "{pixel}");
-            silhouette.overlap(&silhouette.overlap_grid((pixel, pixel)), |_, _, _| true);
+            silhouette.overlap(
+                &silhouette.overlap_grid((pixel, pixel)),
+                f64::INFINITY,
+                |_, _, _| true,
+            );
         }
     }
 }
@@ -192,21 +196,36 @@ fn thinning_keeps_the_length_and_the_points() {
     assert_eq!(silhouette.thinned(1e9).len(), 2);
 }
 
+/// A model that lies farther outside is astray.
+const FAR_PX: f64 = 20.0;
+
+/// The area that two disks have in common whose centres lie d apart.
+fn lens(r: f64, big: f64, d: f64) -> f64 {
+    let part = |a: f64, b: f64| a * a * ((d * d + a * a - b * b) / (2.0 * d * a)).acos();
+    let kite = (r + big - d) * (d + r - big) * (d - r + big) * (d + r + big);
+    part(r, big) + part(big, r) - 0.5 * kite.sqrt()
+}
+
 #[test]
 fn the_overlap_of_two_disks_is_that_of_geometry() {
     let silhouette = seen(&camera(Distortion::None), disk(Point2::new(120.3, 119.6), 50.0));
-    for (shift, intersection) in
-        [(0.0, PI * 2500.0), (50.0, 2500.0 * (2.0 * PI / 3.0 - 0.75f64.sqrt())), (150.0, 0.0)]
+    let full = PI * 2500.0;
+    let astray = full - lens(50.0, 50.0 + FAR_PX, 50.0);
+    for (shift, intersection, astray) in
+        [(0.0, full, 0.0), (50.0, lens(50.0, 50.0, 50.0), astray), (150.0, 0.0, full)]
     {
         let model = Point2::new(120.3 + shift, 119.6);
         let reach = Vector2::repeat(50.0);
         let grid = silhouette.overlap_grid((model - reach, model + reach));
         let is_model = disk(model, 50.0);
-        let overlap = silhouette.overlap(&grid, |_, _, pixel| is_model(pixel));
+        let overlap = silhouette.overlap(&grid, FAR_PX, |_, _, pixel| is_model(pixel));
         let union = PI * 5000.0 - intersection;
         approx::assert_relative_eq!(overlap.intersection, intersection, epsilon = 80.0);
         approx::assert_relative_eq!(overlap.union, union, epsilon = 120.0);
         approx::assert_relative_eq!(overlap.iou(), intersection / union, epsilon = 0.015);
+        approx::assert_relative_eq!(overlap.model, full, epsilon = 80.0);
+        approx::assert_relative_eq!(overlap.astray, astray, epsilon = 80.0);
+        approx::assert_relative_eq!(overlap.astray_share(), astray / full, epsilon = 0.01);
     }
 }
 
@@ -217,7 +236,7 @@ fn a_model_that_leaves_the_image_is_not_held_against_it() {
     let reach = Vector2::repeat(50.0);
     let grid = silhouette.overlap_grid((center - reach, center + reach));
     let is_model = disk(center, 50.0);
-    let overlap = silhouette.overlap(&grid, |_, _, pixel| is_model(pixel));
+    let overlap = silhouette.overlap(&grid, FAR_PX, |_, _, pixel| is_model(pixel));
     assert!(overlap.iou() > 0.97, "{overlap:?}");
 }
 

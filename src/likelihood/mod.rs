@@ -27,6 +27,7 @@ mod nearest_limb;
 mod offset_row;
 mod options;
 mod parallax;
+mod part_offset;
 mod placed_residual;
 mod point_field;
 mod point_options;

@@ -7,8 +7,9 @@
 use nalgebra::Vector3;
 
 use super::foot::Foot;
+use super::part_offset::{PartOffset, displace, offset_m};
 use super::skin_distance::{Derivatives, PosedScale, Residual, SkinResidual};
-use super::skin_term::{self, PartOffset, TouchPlace};
+use super::skin_term::TouchPlace;
 use super::{PointOptions, PointResidual, SurfacePoint};
 use crate::body::Posed;
 use crate::body::metaball::{Field, FieldSample, Sampler};
@@ -70,7 +71,7 @@ impl<'a> NearestLimb<'a> {
     fn meet_field(&mut self, point: &SurfacePoint) -> Met {
         let Self { body, field, scale, options, met, .. } = self;
         let metaballs = &field.limbs[met.sample.limb];
-        skin_term::displace(body, field, metaballs, &mut met.sample, &mut met.offsets);
+        displace(body, field, metaballs, &mut met.sample, &mut met.offsets);
         Met {
             residual: scale.residual(Residual::Field, Derivatives::Complete, &met.sample),
             sigma_m: point.mean_sigma_m().hypot(options.sigma_m),
@@ -120,7 +121,7 @@ impl<'a> NearestLimb<'a> {
         let Self { body, field, scale, sampler, other, .. } = self;
         let metaballs = sampler.sample_limb(limb, x, &mut other.sample);
         let foot = Foot::find(field, scale.of_model(), metaballs, &mut other.sample)?;
-        let b_m = skin_term::offset_m(body, field, &other.sample, &mut other.offsets);
+        let b_m = offset_m(body, field, &other.sample, &mut other.offsets);
         Some((foot, foot.distance_m - b_m))
     }
 }

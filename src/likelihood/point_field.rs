@@ -86,6 +86,7 @@ impl SkinTerm for PointField {
                 sigma_m: met.sigma_m,
                 sigma: met.sigma_m,
                 weight,
+                counts: 1.0,
                 outward_px: Vector2::zeros(),
                 residual: met.residual,
                 offsets: &nearest.met.offsets,

@@ -18,6 +18,11 @@
 //! lie further outside the model's on one than on the other ([`skin_term`]). Chosen by F, r would jump where another limb comes to
 //! be touched.
 //!
+//! What is worn or carried lies outside the body, and no part of the body outside the mask. The cost of a line whose border lies outside
+//! the body counts w⁺ times, which is 1 where nothing tells of such things. With w⁺ < 1 the body is fitted to an expectile of the
+//! residuals instead of their mean (Newey & Powell 1987, *Asymmetric least squares*). As an observation of how residuals err
+//! ([`PlacedResidual`]) it stands for as much as the others: by how far clothes hang off is not known.
+//!
 //! A border pixel has the variance σ² = (σ_px z/f)² + σ_m², in metres at the contact: that of the segmentation, and the model's
 //! own mismatch with a body. Neighbours err together: the weight of a row is its length over the correlation length.
 
@@ -25,8 +30,9 @@ use nalgebra::{Vector2, Vector3};
 
 use super::contact::RayField;
 use super::folds;
+use super::part_offset::{PartOffset, displace};
 use super::skin_distance::{Derivatives, PosedScale, Residual, SkinResidual, SkinScale};
-use super::skin_term::{self, PartOffset, SkinTerm, SkinTouch, Touch, TouchPlace};
+use super::skin_term::{self, SkinTerm, SkinTouch, Touch, TouchPlace};
 use super::{Parallax, PlacedResidual, Source, Term};
 use crate::body::Posed;
 use crate::body::metaball::{Field, FieldSample};
@@ -48,6 +54,8 @@ pub struct RayOptions {
     pub correlation_m: f64,
     /// Robust loss, in standard deviations.
     pub loss: Loss,
+    /// w⁺: how many times a line counts where the border lies outside the body.
+    pub outward: f64,
     /// Which derivatives.
     pub derivatives: Derivatives,
 }
@@ -60,6 +68,7 @@ impl Default for RayOptions {
             sigma_m: 0.01,
             correlation_m: 0.1,
             loss: Loss::Cauchy(3.0),
+            outward: 1.0,
             derivatives: Derivatives::Complete,
         }
     }
@@ -202,7 +211,7 @@ impl LimbSearch<'_> {
             let Self { body, field, near, other, .. } = self;
             rays.near(limb, near);
             other.sample.update_limb(field, limb, &rays.point(direction, t), near);
-            skin_term::displace(body, field, near, &mut other.sample, &mut other.offsets);
+            displace(body, field, near, &mut other.sample, &mut other.offsets);
             let r = self.scale.residual(residual, derivatives, &self.other.sample);
             if r.distance_m < least_m {
                 least = Some(r);
@@ -246,12 +255,14 @@ impl SkinTerm for SilhouetteRays {
             let per_px = 1.0 / (view.px_per_m * options.correlation_m);
             for (index, direction) in view.directions_world.iter().enumerate() {
                 let Some(residual) = search.touch(&mut rays, direction) else { continue };
+                let counts = if residual.distance_m > 0.0 { options.outward } else { 1.0 };
                 let touch = Touch {
                     source: Source::View(source),
                     index,
                     sigma_m,
                     sigma: sigma_m * view.px_per_m,
                     weight: view.lengths_px[index] * per_px,
+                    counts,
                     outward_px: view.normals_px[index],
                     residual,
                     offsets: &search.touched.offsets,

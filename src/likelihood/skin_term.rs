@@ -19,10 +19,11 @@ use nalgebra::{Point3, Vector2, Vector3};
 use super::foot::Foot;
 use super::limb_sums::LimbSums;
 use super::offset_row::OffsetRow;
+use super::part_offset::{PartOffset, home};
 use super::skin_distance::{PosedScale, SkinResidual};
 use super::{PlacedResidual, Source};
-use crate::body::metaball::{BallChange, Field, FieldRow, FieldSample, FieldSlopes, Share};
-use crate::body::{Layout, Offset, PartId, Posed, Primitive};
+use crate::body::metaball::{BallChange, Field, FieldRow, FieldSample, FieldSlopes};
+use crate::body::{Layout, PartId, Posed};
 use crate::solver::{Loss, NormalEquations};
 
 /// One observation where it touches the field.
@@ -54,6 +55,8 @@ pub(super) struct Touch<'a> {
     pub(super) sigma_m: f64,
     pub(super) sigma: f64,
     pub(super) weight: f64,
+    /// How many times its cost counts.
+    pub(super) counts: f64,
     pub(super) outward_px: Vector2<f64>,
     pub(super) residual: SkinResidual,
     /// By how far the person's surface lies outside; empty for a model without offsets.
@@ -78,19 +81,6 @@ pub(super) enum TouchPlace<'a> {
     },
 }
 
-/// What one part says of how far the person's surface lies outside, where an observation touches the skin: b = Σ W bₖ over the
-/// parts, W the sum of the weights of a part's metaballs.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct PartOffset {
-    part: PartId,
-    /// W.
-    weight: f64,
-    /// p: where the mean body has the place, in the part's axes.
-    home: Vector3<f64>,
-    /// bₖ; none as long as p is summed up.
-    offset: Option<Offset>,
-}
-
 /// A line along which the curvature of ln F is above this has no defined summit, 1/m².
 const FLATTEST: f64 = -1e-3;
 
@@ -99,7 +89,8 @@ impl Touch<'_> {
     pub(super) fn loss(&self, loss: Loss) -> (f64, f64) {
         let (rho, slope) = loss.evaluate(self.residual.distance_m / self.sigma_m);
         let precision = 1.0 / (self.sigma_m * self.sigma_m);
-        (self.weight * rho, self.weight * slope * precision)
+        let weight = self.weight * self.counts;
+        (weight * rho, weight * slope * precision)
     }
 
     /// b: what the place's own motion along its line adds.
@@ -172,13 +163,6 @@ impl Touch<'_> {
     }
 }
 
-impl PartOffset {
-    /// W bₖ, metres.
-    fn outside_m(&self) -> f64 {
-        self.offset.map_or(0.0, |offset| self.weight * offset.value_m)
-    }
-}
-
 /// The gradient of a residual in its place.
 fn slope_in_space(sample: &FieldSample, changes: &[BallChange]) -> Vector3<f64> {
     let each = sample.shares.iter().zip(changes);
@@ -199,76 +183,6 @@ pub(super) trait SkinTerm {
         scale: &PosedScale<'_>,
         each: impl FnMut(&Touch<'_>, &FieldSample),
     );
-}
-
-/// Parts of which less than this is at a place say nothing of its offset.
-const LEAST_WEIGHT: f64 = 1e-4;
-
-/// Moves a sample from x to x − b n, n the normal outwards: the person's surface at x is the model's there. `offsets` receives b.
-///
-/// The residual of x − b n is not that of x less b: deep inside a limb the skin distance is shorter than a distance, and a fat
-/// body with its surface far inside would seem to err less.
-pub(super) fn displace(
-    body: &Posed<'_>,
-    field: &Field,
-    metaballs: &[usize],
-    sample: &mut FieldSample,
-    offsets: &mut Vec<PartOffset>,
-) {
-    let b_m = offset_m(body, field, sample, offsets);
-    let Some(inwards) = sample.log_gradient.try_normalize(f64::MIN_POSITIVE) else { return };
-    if !offsets.is_empty() {
-        sample.update_limb(field, sample.limb, &(sample.point_world + inwards * b_m), metaballs);
-    }
-}
-
-/// By how far the person's surface lies outside the model's at a sample: b, metres. `offsets` receives what each part says.
-pub(super) fn offset_m(
-    body: &Posed<'_>,
-    field: &Field,
-    sample: &FieldSample,
-    offsets: &mut Vec<PartOffset>,
-) -> f64 {
-    offsets.clear();
-    if body.model.offsets.is_none() {
-        return 0.0;
-    }
-
-    // the parts that are at the place, and where the mean body has it
-    for share in sample.shares.iter().filter(|share| share.weight > LEAST_WEIGHT) {
-        let Some((ball, home)) = home(body, field, sample, share) else { continue };
-        let weighted = home * share.weight;
-        match offsets.iter_mut().find(|own| own.part == ball.part) {
-            Some(own) => {
-                own.weight += share.weight;
-                own.home += weighted;
-            }
-            None => offsets.push(PartOffset {
-                part: ball.part,
-                weight: share.weight,
-                home: weighted,
-                offset: None,
-            }),
-        }
-    }
-    for own in offsets.iter_mut() {
-        own.home /= own.weight;
-        own.offset = body.surface_offset(own.part, &own.home);
-    }
-
-    offsets.iter().map(PartOffset::outside_m).sum()
-}
-
-/// The metaball of a share in the model, and where the mean body has the place of the sample by it, in the axes of its part.
-fn home<'b>(
-    body: &'b Posed<'_>,
-    field: &Field,
-    sample: &FieldSample,
-    share: &Share,
-) -> Option<(&'b Primitive, Vector3<f64>)> {
-    let ball = &body.model.metaballs[field.source(share.metaball)?];
-    let from_centre = sample.point_world - field.metaballs[share.metaball].ellipsoid.centre;
-    Some((ball, body.home(ball, &from_centre)))
 }
 
 /// The part of a metaball, and a place in its axes.

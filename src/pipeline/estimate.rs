@@ -1,23 +1,29 @@
 //! The most probable shape and motion: the joint optimum that is reached from the winner of Algorithm 1.
 
+use rayon::prelude::*;
+
 use super::camera_covariance::CameraCovariances;
 use super::camera_found::{CameraFound, PoseFound};
+use super::detected::detection_qualities;
 use super::diagnosis::CameraFaults;
+use super::fitted::FittedFrame;
 use super::joint_stage::{Joined, JointStage};
 use super::measures::Measures;
-use super::{EstimateOptions, Progress};
-use crate::body::{BodyModel, Layout, Motion, Shape};
-use crate::camera::Rig;
+use super::{EstimateOptions, Progress, points, quality};
+use crate::body::{BodyModel, Layout, Motion, Posed, Shape};
+use crate::camera::{CameraId, Rig};
 use crate::inference::SequenceState;
 use crate::inference::camera_offset::CameraOffset;
 use crate::inference::camera_prior::Free;
 use crate::inference::covariance::Uncertainty;
 use crate::inference::frame::FrameFit;
+use crate::inference::instant::times_s;
 use crate::inference::noise::Noise;
 use crate::inference::search::Trial;
 use crate::inference::step::between;
 use crate::inference::{Evidence, Sequence};
 use crate::likelihood::Measure;
+use crate::silhouette::FrameObservations;
 
 /// What the last stage of a fit is given.
 pub(super) struct LastStage<'a> {
@@ -82,6 +88,38 @@ pub(super) struct Estimate {
 }
 
 impl Estimate {
+    /// How well it covers what was seen, frame by frame.
+    pub(super) fn frames(
+        &self,
+        body: &BodyModel,
+        sequence: Sequence<'_>,
+        options: &EstimateOptions,
+        measure: Measure,
+    ) -> Vec<FittedFrame> {
+        let evidence = Evidence::new(body, &self.rig, options.likelihood, measure);
+        let (layout, times_s) = (Layout::new(body), times_s(&sequence.intervals_s()));
+        let motions: Vec<Motion> = self.frames.iter().map(|fit| fit.motion.clone()).collect();
+        let posed = |motion: &Motion| Posed::new(body, &self.shape, motion);
+        let fitted = |(i, (observed, fit)): (usize, (&FrameObservations, &FrameFit))| {
+            let body = posed(&fit.motion);
+            let shown =
+                |id: CameraId| posed(&self.cameras[id.0].shown(layout, &motions, &times_s, i));
+            let bodies: Vec<Posed<'_>> = observed.views.iter().map(|(id, _)| shown(*id)).collect();
+            let detected: Vec<_> = observed.detections.iter().map(|(id, _)| shown(*id)).collect();
+            FittedFrame {
+                frame: observed.frame,
+                points_world: body.points(),
+                views: quality::view_qualities(&evidence, observed, &bodies),
+                points: points::point_quality(&evidence, observed, &body),
+                detections: detection_qualities(&evidence, observed, &detected),
+                uncertainty: self.uncertainty.as_ref().map(|u| u.frames[i].clone()),
+                fit: fit.clone(),
+            }
+        };
+
+        sequence.frames.par_iter().zip(&self.frames).enumerate().map(fitted).collect()
+    }
+
     /// How often the cost of the data that chose between hypotheses counts.
     pub(super) fn data_weight(&self) -> f64 {
         self.noise.map_or(1.0, |noise| noise.data_weight())

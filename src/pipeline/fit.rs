@@ -10,6 +10,7 @@ use super::measures::Measures;
 use super::quality::{self, CameraQuality};
 use super::strayed::Strayed;
 use super::watch::WatchedJournal;
+use super::worn::Worn;
 use super::{EstimateOptions, FitError, NoProgress, Progress, Verdict, Warning, check_scene};
 use crate::body::{BodyModel, Layout, Motion, Shape};
 use crate::camera::{CameraId, Rig};
@@ -142,9 +143,14 @@ fn stages(
     let others = strayed.as_ref().map(|strayed| (&strayed.frames[..], &strayed.faults));
     let (frames, faults) = others.unwrap_or((sequence.frames, &faults));
     let sequence = Sequence { frames, ..sequence };
-    let (estimate, measure) = match strayed.is_some() {
-        true => LastStage { sequence, faults, ..stage }.run(winner),
-        false => first,
+    let stage = LastStage { sequence, faults, ..stage };
+    let (estimate, measure) = if strayed.is_some() { stage.run(winner) } else { first };
+
+    // how well the body covers the masks; where it leaves them, the person wears or carries something
+    let frames = estimate.frames(&body, sequence, options, measure);
+    let (estimate, frames, worn) = match Worn::of(&stage, winner, &frames) {
+        Some(worn) => (worn.estimate, worn.frames, Some(worn.cause)),
+        None => (estimate, frames, None),
     };
 
     // 4. how far the keyframes agree
@@ -157,19 +163,13 @@ fn stages(
     let hypotheses = all_tried(&coarse, sequence.frames, found.trials);
     notes.extend(facing_warning(&coarse, &hypotheses, found.winner, estimate.data_weight()));
 
-    // 5, 6. how well the body covers the masks, what it is worth, and what a person should know of it
+    // 5. what it is worth, and what a person should know of it
     let mut left_out = cleared.causes.clone();
     left_out.extend(strayed.as_ref().map(|strayed| strayed.cause.clone()));
-    let judge = Judge {
-        coarse: &coarse,
-        body: &body,
-        sequence,
-        measure,
-        options,
-        faults,
-        left_out: &left_out,
-    };
-    let fit = judge.fit(estimate, confidence, notes);
+    left_out.extend(worn);
+    let judge =
+        Judge { coarse: &coarse, body: &body, sequence, options, faults, left_out: &left_out };
+    let fit = judge.fit(estimate, frames, confidence, notes);
     journal.progress.step();
     Ok(Fit { hypotheses, winner: found.winner, ..fit })
 }

@@ -1,27 +1,18 @@
 //! The last stages of a fit: how well the body covers what was seen, what it is worth, and what a person should know of it.
 
-use rayon::prelude::*;
-
 use super::ambiguity::{outline_warnings, scale_warning};
 use super::camera_covariance::CameraCovariances;
-use super::detected::detection_qualities;
-use super::diagnosis::{CameraFaults, Cause, Diagnosis, lost_frames};
+use super::diagnosis::{CameraFaults, Cause, Diagnosis, MOST_ASTRAY, astray_share, lost_frames};
 use super::estimate::Estimate;
 use super::fitted::FittedFrame;
-use super::points;
 use super::quality;
 use super::unseen::{self, prior_angles_sd};
 use super::warning::warnings;
 use super::{EstimateOptions, Fit, Warning};
-use crate::body::{BodyModel, Layout, Motion, Posed};
-use crate::camera::CameraId;
-use crate::inference::frame::FrameFit;
-use crate::inference::instant::times_s;
+use crate::body::{BodyModel, Motion};
 use crate::inference::joint::JointOptions;
 use crate::inference::motion_prior::MotionPrior;
 use crate::inference::{Evidence, Sequence, ShapeConfidence};
-use crate::likelihood::Measure;
-use crate::silhouette::FrameObservations;
 
 /// What an estimate is judged by.
 pub(super) struct Judge<'a> {
@@ -30,8 +21,6 @@ pub(super) struct Judge<'a> {
     /// The body that was fitted.
     pub(super) body: &'a BodyModel,
     pub(super) sequence: Sequence<'a>,
-    /// What the estimate was compared by.
-    pub(super) measure: Measure,
     pub(super) options: &'a EstimateOptions,
     pub(super) faults: &'a CameraFaults,
     /// What was left out of the recording.
@@ -39,20 +28,17 @@ pub(super) struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    /// An estimate with what it is worth, without the hypotheses that it came from; `notes` is what is known already.
+    /// An estimate and its frames with what it is worth, without the hypotheses that it came from; `notes` is what is known already.
     pub(super) fn fit(
         &self,
         estimate: Estimate,
+        frames: Vec<FittedFrame>,
         confidence: ShapeConfidence,
         mut notes: Vec<Warning>,
     ) -> Fit {
-        let Self { coarse, body, sequence, measure, options, faults, left_out } = *self;
+        let Self { coarse, body, sequence, options, faults, left_out } = *self;
         let (model, calibrated) = (coarse.model, coarse.rig);
         let sizes = estimate.shape.first(model.coefficients.len());
-
-        // how well the body covers the masks
-        let looked_at = Evidence::new(body, &estimate.rig, options.likelihood, measure);
-        let frames = fitted_frames(&looked_at, sequence, &estimate);
         let cameras = quality::camera_qualities(&estimate.rig, &frames, &estimate.cameras);
 
         // what it is worth, and what a person should know of it
@@ -69,6 +55,9 @@ impl Judge<'_> {
             cameras: &cameras,
         }
         .verdict();
+        if verdict.is_usable() {
+            notes.extend(astray_warning(&frames));
+        }
         notes.extend(outline_warnings(coarse, sequence.frames, &sizes, &frames));
         notes.extend(scale_warning(model, &sizes, options.height_m));
         notes.extend(warnings(calibrated, sequence.frames, &frames, &cameras, &confidence));
@@ -113,6 +102,12 @@ impl Fit {
     }
 }
 
+/// Says so if limbs lie where the masks show nobody.
+fn astray_warning(frames: &[FittedFrame]) -> Option<Warning> {
+    let share = astray_share(frames).filter(|share| *share > MOST_ASTRAY)?;
+    Some(Warning::Astray { share })
+}
+
 /// What nothing sees of the body, by how much less sure the priors alone would be.
 fn unseen(
     model: &BodyModel,
@@ -124,33 +119,4 @@ fn unseen(
     let motion_prior = MotionPrior::new(model, joint.motion_model);
     let prior = prior_angles_sd(model, &motion_prior, &motions, &sequence.intervals_s())?;
     unseen::warning(model, frames, &prior)
-}
-
-fn fitted_frames(
-    evidence: &Evidence<'_>,
-    sequence: Sequence<'_>,
-    estimate: &Estimate,
-) -> Vec<FittedFrame> {
-    let (layout, times_s) = (Layout::new(evidence.model), times_s(&sequence.intervals_s()));
-    let motions: Vec<Motion> = estimate.frames.iter().map(|fit| fit.motion.clone()).collect();
-    let posed = |motion: &Motion| Posed::new(evidence.model, &estimate.shape, motion);
-    let fitted = |(i, (observed, fit)): (usize, (&FrameObservations, &FrameFit))| {
-        let body = posed(&fit.motion);
-        let shown =
-            |id: CameraId| posed(&estimate.cameras[id.0].shown(layout, &motions, &times_s, i));
-        let bodies: Vec<Posed<'_>> = observed.views.iter().map(|(id, _)| shown(*id)).collect();
-        let detected: Vec<_> = observed.detections.iter().map(|(id, _)| shown(*id)).collect();
-        FittedFrame {
-            frame: observed.frame,
-            points_world: body.points(),
-            views: quality::view_qualities(evidence, observed, &bodies),
-            points: points::point_quality(evidence, observed, &body),
-            detections: detection_qualities(evidence, observed, &detected),
-            uncertainty: estimate.uncertainty.as_ref().map(|u| u.frames[i].clone()),
-            fit: fit.clone(),
-        }
-    };
-
-    let frames = sequence.frames.par_iter().zip(&estimate.frames);
-    frames.enumerate().map(fitted).collect()
 }

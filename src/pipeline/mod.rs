@@ -49,6 +49,7 @@ mod unseen;
 mod warning;
 mod warning_text;
 mod watch;
+mod worn;
 
 pub use crate::inference::covariance::ShapeUncertainty;
 pub use camera_covariance::{CameraCovariances, POSE};

@@ -3,12 +3,12 @@
 use nalgebra::{Point2, Vector2};
 
 use crate::body::metaball::Field;
-use crate::body::{Posed, Primitive};
+use crate::body::{PartId, Posed, Primitive};
 use crate::camera::{Camera, Distortion, Intrinsics};
 use crate::likelihood::Measure;
 use crate::math::quadric::{Ellipse, project};
 use crate::render;
-use crate::silhouette::{OverlapGrid, Silhouette};
+use crate::silhouette::{Overlap, OverlapGrid, Silhouette};
 
 /// Primitives of the model as ellipses in a camera, in undistorted pixels; those around or behind it are left out.
 pub(super) fn projected<'p>(
@@ -21,18 +21,22 @@ pub(super) fn projected<'p>(
     each.filter_map(|e| project(&projection, &e)).collect()
 }
 
-/// Intersection over union of a silhouette and the body as it was measured: the skin of its metaballs, or the
-/// union of its ellipses.
-pub(super) fn iou(
+/// What lies farther outside a silhouette is astray, metres: the half width of a forearm, so that bones lie outside.
+const ASTRAY_M: f64 = 0.04;
+
+/// Overlap of a silhouette and the body as it was measured: the skin of its metaballs, or the union of its ellipses.
+pub(super) fn overlap(
     camera: &Camera,
     silhouette: &Silhouette,
     body: &Posed<'_>,
     measure: Measure,
-) -> f64 {
+) -> Overlap {
+    let depth_m = (camera.camera_from_world * body.origin_of_part(PartId(0))).z;
+    let far_px = ASTRAY_M * camera.intrinsics.focal_px() / depth_m.max(f64::MIN_POSITIVE);
     if measure.has_metaballs() && !body.model.metaballs.is_empty() {
-        skin_iou(camera, silhouette, body)
+        skin_overlap(camera, silhouette, body, far_px)
     } else {
-        ellipses_iou(camera, silhouette, body)
+        ellipses_overlap(camera, silhouette, body, far_px)
     }
 }
 
@@ -41,21 +45,31 @@ pub(super) fn coverings(camera: &Camera, body: &Posed<'_>) -> Vec<Covering> {
     projected(camera, body, &body.model.ellipsoids).iter().map(Covering::new).collect()
 }
 
-fn ellipses_iou(camera: &Camera, silhouette: &Silhouette, body: &Posed<'_>) -> f64 {
+fn ellipses_overlap(
+    camera: &Camera,
+    silhouette: &Silhouette,
+    body: &Posed<'_>,
+    far_px: f64,
+) -> Overlap {
     let ellipses = coverings(camera, body);
     let grid = silhouette.overlap_grid(bounds(silhouette, &ellipses));
     let is_model = |_, _, pixel: &Point2<f64>| ellipses.iter().any(|e| e.contains(pixel));
-    silhouette.overlap(&grid, is_model).iou()
+    silhouette.overlap(&grid, far_px, is_model)
 }
 
 /// The skin is rendered by a camera without distortion, of which each pixel is a cell of the grid.
-fn skin_iou(camera: &Camera, silhouette: &Silhouette, body: &Posed<'_>) -> f64 {
+fn skin_overlap(
+    camera: &Camera,
+    silhouette: &Silhouette,
+    body: &Posed<'_>,
+    far_px: f64,
+) -> Overlap {
     let balls: Vec<Covering> =
         projected(camera, body, &body.model.metaballs).iter().map(Covering::new).collect();
     let grid = silhouette.overlap_grid(bounds(silhouette, &balls));
     let mask = render::silhouette(&window(camera, &grid), &Field::from_body(body));
     let is_model = |column, row, _: &Point2<f64>| mask.is_foreground(column, row);
-    silhouette.overlap(&grid, is_model).iou()
+    silhouette.overlap(&grid, far_px, is_model)
 }
 
 /// The camera that sees the cells of a grid, one pixel for each.
@@ -138,17 +152,20 @@ mod tests {
         (camera, Shape(model.statistics.mean.clone()), motion)
     }
 
-    fn iou_of(measure: Measure, rendered: impl Fn(&Camera, &Posed<'_>) -> Mask) -> [f64; 2] {
+    fn overlap_of(
+        measure: Measure,
+        rendered: impl Fn(&Camera, &Posed<'_>) -> Mask,
+    ) -> [Overlap; 2] {
         let model = walker();
         let (camera, shape, mut motion) = scene(&model);
         let body = Posed::new(&model, &shape, &motion);
         let mask = rendered(&camera, &body);
         let seen = extract(&mask, &camera, &SilhouetteOptions::default()).unwrap();
-        let own = iou(&camera, &seen, &body, measure);
+        let own = overlap(&camera, &seen, &body, measure);
         // to the side of the line of sight
         let aside = camera.camera_from_world.rotation.inverse() * Vector3::x();
         motion.position_world += aside * 1.2;
-        let apart = iou(&camera, &seen, &Posed::new(&model, &shape, &motion), measure);
+        let apart = overlap(&camera, &seen, &Posed::new(&model, &shape, &motion), measure);
         [own, apart]
     }
 
@@ -156,9 +173,11 @@ mod tests {
     fn a_skin_covers_its_own_silhouette_and_none_beside_it() {
         let of_skin =
             |camera: &Camera, body: &Posed<'_>| render::silhouette(camera, &Field::from_body(body));
-        let [own, apart] = iou_of(Measure::Metaballs, of_skin);
-        assert!(own > 0.98 && own <= 1.0, "{own}");
-        assert!(apart < 1e-9, "{apart}");
+        let [own, apart] = overlap_of(Measure::Metaballs, of_skin);
+        assert!(own.iou() > 0.98 && own.iou() <= 1.0, "{own:?}");
+        assert!(apart.iou() < 1e-9, "{apart:?}");
+        assert!(own.astray_share() < 1e-9, "{own:?}");
+        assert!(apart.astray_share() > 0.9 && apart.astray_share() <= 1.0, "{apart:?}");
     }
 
     #[test]
@@ -172,8 +191,10 @@ mod tests {
                 all.iter().any(|e| e.contains(&pixel))
             })
         };
-        let [own, apart] = iou_of(Measure::Ellipses, of_ellipses);
-        assert!(own > 0.98 && own <= 1.0, "{own}");
-        assert!(apart < 1e-9, "{apart}");
+        let [own, apart] = overlap_of(Measure::Ellipses, of_ellipses);
+        assert!(own.iou() > 0.98 && own.iou() <= 1.0, "{own:?}");
+        assert!(apart.iou() < 1e-9, "{apart:?}");
+        assert!(own.astray_share() < 1e-9, "{own:?}");
+        assert!(apart.astray_share() > 0.9 && apart.astray_share() <= 1.0, "{apart:?}");
     }
 }

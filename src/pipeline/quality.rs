@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 use super::camera_found::CameraFound;
 use super::detected::{DetectedQuality, DetectionQuality};
 use super::fitted::FittedFrame;
-use super::overlap::iou;
+use super::overlap::overlap;
 use crate::body::{Posed, Shape};
 use crate::camera::{Camera, CameraId, Rig};
 use crate::inference::frame::FrameFit;
 use crate::inference::{Detail, Evidence, Terms};
 use crate::math::stats::{mean, median};
-use crate::silhouette::{FrameIndex, FrameObservations, Silhouette};
+use crate::silhouette::{FrameIndex, FrameObservations, Overlap, Silhouette};
 
 /// How well the body covers one silhouette: distances of its border points to the model's outline, and the overlap.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -23,6 +23,9 @@ pub struct ViewQuality {
     pub camera: String,
     /// Intersection over union of silhouette and model, 0 to 1.
     pub iou: f64,
+    /// Share of the model that lies more than 4 cm outside the silhouette, 0 to 1.
+    #[serde(default)]
+    pub astray: f64,
     /// Number of border points that were compared; 0 where the model is not before the camera.
     pub points: usize,
     /// Root mean square of their distances, px; `None` without points.
@@ -56,7 +59,7 @@ pub struct CameraQuality {
 
 impl ViewQuality {
     /// From the overlap of a view and its border points' distances to the outline, px.
-    fn new(frame: FrameIndex, camera: &str, iou: f64, mut distances_px: Vec<f64>) -> Self {
+    fn new(frame: FrameIndex, camera: &str, cover: Overlap, mut distances_px: Vec<f64>) -> Self {
         distances_px.sort_by(f64::total_cmp);
         let points = distances_px.len();
         let some = |value: &dyn Fn() -> f64| (points > 0).then(value);
@@ -65,7 +68,8 @@ impl ViewQuality {
         Self {
             frame,
             camera: camera.into(),
-            iou,
+            iou: cover.iou(),
+            astray: cover.astray_share(),
             points,
             rms_px: some(&|| mean_square().sqrt()),
             median_px: some(&|| quantile(0.5)),
@@ -84,12 +88,12 @@ pub(super) fn view_qualities(
     let quality =
         |((id, silhouette), (terms, body)): (&(CameraId, Silhouette), (Terms<'_>, &Posed<'_>))| {
             let camera = &evidence.rig.cameras[id.0];
-            let iou = iou(camera, silhouette, body, evidence.measure);
+            let cover = overlap(camera, silhouette, body, evidence.measure);
             // a border point is measured once: by the last term that looks at borders, the finest
             let each = terms.iter().rev().map(|t| t.placed_residuals(body));
             let residuals = each.into_iter().find(|all| !all.is_empty()).unwrap_or_default();
             let distances_px = residuals.iter().map(|r| (r.value * r.sigma).abs()).collect();
-            ViewQuality::new(frame.frame, &camera.name, iou, distances_px)
+            ViewQuality::new(frame.frame, &camera.name, cover, distances_px)
         };
     frame.views.iter().zip(views.into_iter().zip(bodies)).map(quality).collect()
 }
@@ -117,7 +121,7 @@ pub(super) fn sampled_iou(
         .flat_map_iter(|(frame, fit)| {
             let body = Posed::new(evidence.model, shape, &fit.motion);
             let of = move |(id, s): &(CameraId, Silhouette)| {
-                iou(&evidence.rig.cameras[id.0], s, &body, evidence.measure)
+                overlap(&evidence.rig.cameras[id.0], s, &body, evidence.measure).iou()
             };
             frame.views.iter().map(of)
         })

@@ -40,6 +40,11 @@ pub enum Warning {
         /// How tall the body is, m.
         found_m: f64,
     },
+    /// A body that lies where the masks show nobody.
+    Astray {
+        /// The share of the body, mean over all silhouettes.
+        share: f64,
+    },
     /// Nothing but detections of joints.
     DetectionsAlone,
     /// Limbs that lie before or behind the body in all cameras but one, or in all.

@@ -17,6 +17,11 @@ impl fmt::Display for Warning {
                 "{camera} overlaps the body by {iou:.2}, the other cameras by {others_iou:.2}: check its calibration and its masks"
             ),
             // the body
+            Self::Astray { share } => write!(
+                f,
+                "{:.1} % of the body lies more than 4 cm outside the masks: they lack a part of the person, or hold something that moves along; some joints can be farther off than their standard deviations say",
+                100.0 * share
+            ),
             Self::KeepsPrior { parts } => match parts.as_slice() {
                 [part] => {
                     write!(f, "{part}: no camera shows how it is turned, so it keeps its prior")

@@ -16,12 +16,21 @@ pub struct Overlap {
     pub intersection: f64,
     /// In at least one.
     pub union: f64,
+    /// In the model.
+    pub model: f64,
+    /// Of that, far outside the silhouette.
+    pub astray: f64,
 }
 
 impl Overlap {
     /// Intersection over union, 0 (apart) to 1 (the same); 0 if both are empty.
     pub fn iou(&self) -> f64 {
         if self.union > 0.0 { self.intersection / self.union } else { 0.0 }
+    }
+
+    /// The share of the model that lies far outside the silhouette; 0 for one that is not seen.
+    pub fn astray_share(&self) -> f64 {
+        if self.model > 0.0 { self.astray / self.model } else { 0.0 }
     }
 }
 
@@ -62,25 +71,35 @@ impl Silhouette {
         OverlapGrid { low, step, columns: cells(low.x, high.x), rows: cells(low.y, high.y) }
     }
 
-    /// Overlap with the model that covers the cells of a grid for which `is_model` holds: column, row, and the cell's centre.
+    /// Overlap with the model that covers the cells of a grid for which `is_model` holds: column, row, and the cell's centre. What
+    /// lies more than `far_px` outside the silhouette is astray.
     pub fn overlap(
         &self,
         grid: &OverlapGrid,
+        far_px: f64,
         is_model: impl Fn(usize, usize, &Point2<f64>) -> bool,
     ) -> Overlap {
-        let (mut intersection, mut union) = (0usize, 0usize);
+        let [mut intersection, mut union, mut covered, mut astray] = [0usize; 4];
         for row in 0..grid.rows {
             for column in 0..grid.columns {
                 let pixel = grid.centre(column, row);
                 let (mask, model) = (self.contains(&pixel), is_model(column, row, &pixel));
                 if (mask || model) && self.sees(&pixel) {
                     union += 1;
+                    covered += usize::from(model);
                     intersection += usize::from(mask && model);
+                    let is_far = model && !mask && self.outside.sample(&pixel).0 > far_px;
+                    astray += usize::from(is_far);
                 }
             }
         }
 
-        let cell = grid.step * grid.step;
-        Overlap { intersection: intersection as f64 * cell, union: union as f64 * cell }
+        let area = |cells: usize| cells as f64 * grid.step * grid.step;
+        Overlap {
+            intersection: area(intersection),
+            union: area(union),
+            model: area(covered),
+            astray: area(astray),
+        }
     }
 }

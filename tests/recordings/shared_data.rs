@@ -48,7 +48,7 @@ fn noise_moves_silhouettes_by_little() {
         approx::assert_relative_eq!(clean.bounds.0, noisy.bounds.0, epsilon = 6.0);
         approx::assert_relative_eq!(clean.bounds.1, noisy.bounds.1, epsilon = 6.0);
         let grid = clean.overlap_grid(noisy.bounds);
-        let overlap = clean.overlap(&grid, |_, _, pixel| noisy.contains(pixel));
+        let overlap = clean.overlap(&grid, f64::INFINITY, |_, _, pixel| noisy.contains(pixel));
         assert!(overlap.iou() > 0.85, "{overlap:?}");
     }
 }

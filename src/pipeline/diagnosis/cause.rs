@@ -172,6 +172,11 @@ pub enum Cause {
         /// The share of the masks' area that was left out.
         share: f64,
     },
+    /// The masks hold something that moves with the person. Their borders count less where they lie outside the body.
+    Worn {
+        /// The share of the body that lay outside the masks before, mean over all silhouettes.
+        share: f64,
+    },
     /// The joint optimum put some cameras farther from their calibrated places than anybody moves one. They were left out.
     Strayed {
         /// The cameras.

@@ -11,6 +11,7 @@
 //! | `joint_misses.rs` | the same of detections, where there are no silhouettes           |
 //! | `cameras.rs`     | exchanged, mirrored, late, zoomed and displaced cameras           |
 //! | `strangers.rs`   | exchanged and mirrored cameras, before anybody is fitted          |
+//! | `astray.rs`      | a body that lies where the masks show nobody                      |
 //! | `agreeing.rs`    | what the cameras show that agree, for the search                  |
 //! | `cleared.rs`     | what of the masks can be used: without the four below              |
 //! | `rods.rs`        | walking aids in the masks                                         |
@@ -31,6 +32,7 @@
 //! what was found is named, and what would follow from it is not.
 
 mod agreeing;
+mod astray;
 mod cameras;
 mod cause;
 mod cleared;
@@ -58,6 +60,7 @@ mod volume;
 
 use crate::silhouette::FrameObservations;
 
+pub(super) use astray::{MOST_ASTRAY, astray_share};
 pub(super) use cameras::CameraFaults;
 pub(super) use cause::camera_causes;
 pub use cause::{Cause, Reason};

@@ -214,6 +214,10 @@ impl Cause {
                 "the masks hold shadows on the floor, {:.0} % of their area: they were left out, and with them what they hide of the feet",
                 100.0 * share
             ),
+            Self::Worn { .. } => write!(
+                f,
+                "the masks hold something that moves with the person, as a bag, a skirt or a long coat does: their borders count less where they lie outside the body, and joints are less sure"
+            ),
             Self::Strayed { cameras } => write!(
                 f,
                 "{} left out, for no place near the calibrated one explains what they show: the masks hold something that the other cameras do not see, or lack a part of the person, or the camera was moved far; look at the masks, or calibrate again",

@@ -35,6 +35,11 @@ impl Verdict {
     pub fn is_usable(&self) -> bool {
         self.unusable.is_empty()
     }
+
+    /// What moves with the person, where the masks hold such.
+    pub fn worn(&self) -> Option<&Cause> {
+        self.causes.iter().find(|cause| matches!(cause, Cause::Worn { .. }))
+    }
 }
 
 /// Of a body that is too large for a person, smaller ones count too: it covers a part of what stands still.

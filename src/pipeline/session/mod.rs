@@ -31,12 +31,13 @@ pub use agreement::{Disagreement, OneBody, disagreements, one_body};
 pub use rig::OtherCalibration;
 
 use super::camera_covariance::CameraCovariances;
-use super::diagnosis::{CameraFaults, Cleared};
+use super::diagnosis::{CameraFaults, Cause, Cleared};
 use super::estimate::Estimate;
 use super::fit::measures;
 use super::joint_stage::{Joined, JointStage, detected_names};
 use super::judged::Judge;
 use super::measures::Measures;
+use super::worn::for_worn;
 use super::{CameraFound, EstimateOptions, Fit, FitError, NoProgress, Progress, check_scene};
 use crate::body::{BodyModel, Motion, Shape};
 use crate::camera::Rig;
@@ -78,6 +79,8 @@ pub struct AloneFit {
     pub cameras: Vec<CameraFound>,
     /// s*ₖ, what each of its keyframes found: the most probable reading.
     pub keyframes: Vec<Shape>,
+    /// What its masks hold that moves with the person, if there is such.
+    pub worn: Option<Cause>,
 }
 
 impl From<&Fit> for AloneFit {
@@ -90,6 +93,7 @@ impl From<&Fit> for AloneFit {
             recovered: fit.frames.iter().map(|frame| frame.fit.recovered).collect(),
             cameras: fit.cameras.iter().map(|camera| camera.found).collect(),
             keyframes: keyframe_shapes(hypotheses).into_iter().cloned().collect(),
+            worn: fit.verdict.worn().cloned(),
         }
     }
 }
@@ -117,8 +121,15 @@ pub fn fit_session(
     let body = model.detailed();
     let cleared: Vec<Cleared<'_>> =
         trials.iter().map(|trial| Cleared::new(trial.rig, trial.sequence.frames)).collect();
-    let trials = trials.iter().zip(&cleared).map(|(trial, cleared)| SessionTrial {
+    let options_of = |trial: &SessionTrial<'_>| match trial.alone.worn {
+        Some(_) => for_worn(trial.options),
+        None => trial.options.clone(),
+    };
+    let options: Vec<EstimateOptions> = trials.iter().map(options_of).collect();
+    let prepared = trials.iter().zip(cleared.iter().zip(&options));
+    let trials = prepared.map(|(trial, (cleared, options))| SessionTrial {
         sequence: Sequence { frames: &cleared.frames, ..trial.sequence },
+        options,
         ..trial.clone()
     });
     let trials: &[SessionTrial<'_>] = &trials.collect::<Vec<_>>();
@@ -141,14 +152,15 @@ pub fn fit_session(
     for (k, (trial, joined)) in trials.iter().zip(joined).enumerate() {
         let notes = check_scene(model, trial.rig, trial.sequence.frames)?;
         let coarse = Evidence::new(model, trial.rig, trial.options.likelihood, measures[k].search);
+        let left_out: Vec<Cause> =
+            cleared[k].causes.iter().chain(&trial.alone.worn).cloned().collect();
         let judge = Judge {
             coarse: &coarse,
             body: &body,
             sequence: trial.sequence,
-            measure: measures[k].joint,
             options: trial.options,
             faults: &faults[k],
-            left_out: &cleared[k].causes,
+            left_out: &left_out,
         };
         let estimate = Estimate::joint(joined, trial.rig, &trial.alone.recovered);
         let confidence = ShapeConfidence::from_shapes(
@@ -158,7 +170,8 @@ pub fn fit_session(
             &body.rest_lengths_m(&estimate.shape),
             &trial.options.confidence,
         );
-        fits.push(judge.fit(estimate, confidence, notes));
+        let frames = estimate.frames(&body, trial.sequence, trial.options, measures[k].joint);
+        fits.push(judge.fit(estimate, frames, confidence, notes));
         progress.step();
     }
     progress.end();

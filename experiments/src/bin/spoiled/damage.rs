@@ -11,6 +11,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::shadows::{around_feet, cast, darkened};
+use crate::worn::{bag, carried, skirt};
 
 /// A way to spoil a recording.
 pub(crate) struct Damage {
@@ -133,6 +134,8 @@ fn masks() -> Vec<Damage> {
         }),
         damage("a lamp's shadow", "shadows on the floor", |r| darkened(r, cast)),
         damage("the dark around the feet", "shadows on the floor", |r| darkened(r, around_feet)),
+        damage("a skirt", "moves with the person", |r| carried(r, skirt)),
+        damage("a bag in the right hand", "moves with the person", |r| carried(r, bag)),
         damage("stale picture of the room", "never moves", |r| {
             let first = r.masks[0].clone();
             r.with_masks(move |_, c, m| Some(joined(m, first[c].as_ref()?)))

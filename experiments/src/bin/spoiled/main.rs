@@ -8,6 +8,7 @@
 
 mod damage;
 mod shadows;
+mod worn;
 
 use std::error::Error;
 use std::process::ExitCode;
