@@ -148,7 +148,7 @@ fn stages(
 
     // how well the body covers the masks; where it leaves them, the person wears or carries something
     let frames = estimate.frames(&body, sequence, options, measure);
-    let (estimate, frames, worn) = match Worn::of(&stage, winner, &frames) {
+    let (estimate, frames, worn) = match Worn::of(&stage, winner, &estimate, &frames) {
         Some(worn) => (worn.estimate, worn.frames, Some(worn.cause)),
         None => (estimate, frames, None),
     };

@@ -2,14 +2,16 @@
 
 use super::ambiguity::{outline_warnings, scale_warning};
 use super::camera_covariance::CameraCovariances;
-use super::diagnosis::{CameraFaults, Cause, Diagnosis, MOST_ASTRAY, astray_share, lost_frames};
+use super::diagnosis::{
+    CameraFaults, Cause, Diagnosis, MOST_ASTRAY, Swollen, astray_share, lost_frames,
+};
 use super::estimate::Estimate;
 use super::fitted::FittedFrame;
 use super::quality;
 use super::unseen::{self, prior_angles_sd};
 use super::warning::warnings;
 use super::{EstimateOptions, Fit, Warning};
-use crate::body::{BodyModel, Motion};
+use crate::body::{BodyModel, Motion, Shape};
 use crate::inference::joint::JointOptions;
 use crate::inference::motion_prior::MotionPrior;
 use crate::inference::{Evidence, Sequence, ShapeConfidence};
@@ -56,7 +58,9 @@ impl Judge<'_> {
         }
         .verdict();
         if verdict.is_usable() {
-            notes.extend(astray_warning(&frames));
+            notes.extend(
+                astray_warning(&frames).into_iter().chain(swollen_warning(body, &estimate.shape)),
+            );
         }
         notes.extend(outline_warnings(coarse, sequence.frames, &sizes, &frames));
         notes.extend(scale_warning(model, &sizes, options.height_m));
@@ -106,6 +110,12 @@ impl Fit {
 fn astray_warning(frames: &[FittedFrame]) -> Option<Warning> {
     let share = astray_share(frames).filter(|share| *share > MOST_ASTRAY)?;
     Some(Warning::Astray { share })
+}
+
+/// Says so if a part is as thick as nobody's.
+fn swollen_warning(body: &BodyModel, shape: &Shape) -> Option<Warning> {
+    let Swollen { part, times } = Swollen::of(body, shape)?;
+    Some(Warning::Swollen { part, times })
 }
 
 /// What nothing sees of the body, by how much less sure the priors alone would be.

@@ -45,6 +45,13 @@ pub enum Warning {
         /// The share of the body, mean over all silhouettes.
         share: f64,
     },
+    /// A part that is as thick as nobody's.
+    Swollen {
+        /// Its name.
+        part: String,
+        /// Its volume over the mean body's.
+        times: f64,
+    },
     /// Nothing but detections of joints.
     DetectionsAlone,
     /// Limbs that lie before or behind the body in all cameras but one, or in all.

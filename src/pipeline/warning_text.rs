@@ -17,11 +17,6 @@ impl fmt::Display for Warning {
                 "{camera} overlaps the body by {iou:.2}, the other cameras by {others_iou:.2}: check its calibration and its masks"
             ),
             // the body
-            Self::Astray { share } => write!(
-                f,
-                "{:.1} % of the body lies more than 4 cm outside the masks: they lack a part of the person, or hold something that moves along; some joints can be farther off than their standard deviations say",
-                100.0 * share
-            ),
             Self::KeepsPrior { parts } => match parts.as_slice() {
                 [part] => {
                     write!(f, "{part}: no camera shows how it is turned, so it keeps its prior")
@@ -65,12 +60,28 @@ impl fmt::Display for Warning {
                 f,
                 "only {keyframes} keyframes, so their spread σ is itself uncertain: use a smaller --keyframe-every"
             ),
-            of_frames => of_frames.fmt_frames(f),
+            of_masks => of_masks.fmt_masks(f),
         }
     }
 }
 
 impl Warning {
+    /// What the body says of the masks.
+    fn fmt_masks(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Astray { share } => write!(
+                f,
+                "{:.1} % of the body lies more than 4 cm outside the masks: they lack a part of the person, or hold something that moves along; some joints can be farther off than their standard deviations say",
+                100.0 * share
+            ),
+            Self::Swollen { part, times } => write!(
+                f,
+                "{part}: {times:.0} times the volume of the mean person's: the masks hold clothes that hang wide, or something else that moves along; its joints can be farther off than their standard deviations say"
+            ),
+            of_frames => of_frames.fmt_frames(f),
+        }
+    }
+
     /// The warnings that name frames.
     fn fmt_frames(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

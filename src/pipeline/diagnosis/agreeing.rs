@@ -6,11 +6,6 @@ use crate::inference::camera_prior::Free;
 use crate::silhouette::FrameObservations;
 
 impl CameraFaults {
-    /// Whether all do.
-    pub(in crate::pipeline) fn all_agree(&self) -> bool {
-        self.faults.is_empty()
-    }
-
     /// By how many frames the pictures of each camera seem ahead.
     pub(in crate::pipeline) fn ahead_frames(&self) -> Vec<isize> {
         let mut ahead = vec![0; self.readings.len()];

@@ -52,7 +52,7 @@ impl CameraFaults {
     }
 
     /// Whether all of them are what an estimate of the cameras' places and clocks finds better: cameras that are late or elsewhere.
-    pub(super) fn are_of_places_or_clocks(&self) -> bool {
+    pub(in crate::pipeline) fn are_of_places_or_clocks(&self) -> bool {
         let is_such = |fault: &CameraFault| {
             matches!(fault, CameraFault::Late(..) | CameraFault::Elsewhere { .. })
         };

@@ -22,6 +22,7 @@
 //! | `level.rs`       | cells of a level plane                                            |
 //! | `room.rs`        | what stands still in the masks, and stays there                   |
 //! | `volume.rs`      | what the silhouettes hold beside the body, and how tall it is     |
+//! | `swollen.rs`     | a part that is as thick as nobody's                               |
 //! | `thin.rs`        | whether the masks have lost arms, hands and feet                  |
 //! | `upright.rs`     | whether the person stands along another axis                      |
 //! | `proportions.rs` | whether the world is too large for the body                       |
@@ -50,6 +51,7 @@ mod seen;
 mod shadows;
 mod stature;
 mod strangers;
+mod swollen;
 mod text;
 mod thin;
 mod things;
@@ -71,6 +73,7 @@ pub(super) use rods::WithoutRods;
 pub(super) use seen::Seen;
 pub(super) use stature::stature_m;
 pub use strangers::strangers;
+pub(super) use swollen::Swollen;
 pub(super) use unusable::{LEAST_OVERLAP, MOST_DISPLACED_M, lost_frames};
 pub use upright::HeadAxis;
 pub(super) use verdict::Diagnosis;
