@@ -2,9 +2,9 @@
 //!
 //! A bag, a skirt or a long coat moves with the person, so all cameras agree on it and borders that lie off lose their weight: the fitted
 //! limbs are drawn into it, and nothing tells. But a limb that is drawn from its place leaves the masks elsewhere. The body
-//! is astray where it lies farther outside a mask than a forearm is thick
+//! is astray where it lies farther outside a mask than half a forearm's width
 //! ([`ViewQuality::astray`](crate::pipeline::ViewQuality::astray)). Loose clothes do the contrary, and things that a person
-//! carries without harm to the fit leave it within the masks.
+//! carries without harm to the fit leave it within the masks (see docs/decisions, 0035).
 
 use super::unusable::lost_frames;
 use crate::math::stats::mean;
