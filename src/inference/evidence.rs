@@ -30,7 +30,8 @@ pub struct Evidence<'a> {
     /// What silhouettes and points are compared with.
     pub measure: Measure,
     likelihood: LikelihoodOptions,
-    skin_scale: SkinScale,
+    /// Of a measure that has metaballs.
+    skin_scale: Option<SkinScale>,
 }
 
 impl<'a> Evidence<'a> {
@@ -56,7 +57,7 @@ impl<'a> Evidence<'a> {
             pose_prior: PosePrior::new(model),
             measure,
             likelihood,
-            skin_scale: SkinScale::new(model),
+            skin_scale: measure.has_metaballs().then(|| SkinScale::new(model)),
         }
     }
 
@@ -112,13 +113,13 @@ impl<'a> Evidence<'a> {
             terms.push(Box::new(EllipseSilhouette::new(views, options.ellipses)));
         }
 
-        if self.measure.has_metaballs() {
+        if let Some(scale) = &self.skin_scale {
             let view = |(id, silhouette): &'f (CameraId, Silhouette)| {
                 let camera = &self.rig.cameras[id.0];
                 RayView::new(camera, silhouette, depth_m(camera, subject), spacing_m)
             };
             let views = views.iter().map(view).collect();
-            let rays = SilhouetteRays::new(views, options.rays, self.skin_scale.clone());
+            let rays = SilhouetteRays::new(views, options.rays, scale.clone());
             terms.push(Box::new(rays));
         }
         terms
@@ -130,14 +131,14 @@ impl<'a> Evidence<'a> {
         frame: &'f FrameObservations,
         detail: Detail,
     ) -> Terms<'f> {
-        if !self.measure.has_metaballs() || frame.points.is_empty() {
+        let Some(scale) = self.skin_scale.as_ref().filter(|_| !frame.points.is_empty()) else {
             return Vec::new();
-        }
+        };
         let step = detail.point_step(frame.points.len());
         let points = frame.points.iter().step_by(step);
         let points = points.map(SurfacePoint::from).collect();
         let options = detail.likelihood(self.likelihood).points;
-        vec![Box::new(PointField::new(points, options, self.skin_scale.clone()))]
+        vec![Box::new(PointField::new(points, options, scale.clone()))]
     }
 }
 

@@ -21,7 +21,7 @@ use super::contrasts::{Contrasts, Leverages};
 use super::covariance::Uncertainty;
 use super::frame::FrameFit;
 use super::instant::{times_s, trials};
-use super::looks::without_folds;
+use super::looks::Outside;
 use super::motion_prior::MotionPrior;
 use super::noise::{DataWeights, Noise};
 use super::prior::ShapePrior;
@@ -250,6 +250,8 @@ struct Round<'l> {
     /// What it looked at.
     looks: Vec<Vec<Look<'l>>>,
     noise: Noise,
+    /// ν: how many independent observations that is.
+    independent: f64,
     shape_prior: ShapePrior,
     contrasts: Contrasts,
     solution: Solution<SequenceState, BorderedChain>,
@@ -265,12 +267,13 @@ impl Search<'_, '_> {
     ) -> Round<'l> {
         let Approached { state: start, shape_prior, leverages } = from;
         let whole = self.within(looks, &start);
-        let open = self.without_folds(&whole, &start);
-        let looks = self.within(&open, &start);
-
         let none = Contrasts::none(looks.len());
+        let of_all = self.posterior(&whole, &shape_prior, &none);
+        let outside = Outside::new(&whole, &of_all.bodies(&start));
+        let noise = Noise::from_residuals(&outside.residuals);
+
+        let looks = self.within(&outside.looks, &start);
         let mut posterior = self.posterior(&looks, &shape_prior, &none);
-        let noise = Noise::from_residuals(&posterior.residuals(&start));
         posterior.weights = noise.weights();
         let motion_prior = self.motion_prior.beside(noise.staying_share(), self.seconds);
         posterior.motion_prior = &motion_prior;
@@ -282,27 +285,17 @@ impl Search<'_, '_> {
 
         let counted = Counted { problem: &posterior, step: self.step };
         let solution = levenberg_marquardt(&counted, start, solver);
-        Round { looks: open, noise, shape_prior, contrasts, solution }
-    }
-
-    /// The same without the data that lie in folds of the skin.
-    fn without_folds<'l>(
-        &self,
-        looks: &[Vec<&'l Look<'_>>],
-        state: &SequenceState,
-    ) -> Vec<Vec<Look<'l>>> {
-        let none = Contrasts::none(looks.len());
-        let posterior = self.posterior(looks, &self.evidence.shape_prior, &none);
-        without_folds(looks, &posterior.bodies(state))
+        let independent = noise.independent(&outside.residuals);
+        Round { looks: outside.looks, noise, independent, shape_prior, contrasts, solution }
     }
 
     /// How sure an optimum is.
     fn uncertainty(&self, round: &Round<'_>) -> Option<Uncertainty> {
-        let Round { looks, noise, shape_prior, contrasts, solution } = round;
+        let Round { looks, noise, independent, shape_prior, contrasts, solution } = round;
         let Solution { state, model: chain, .. } = solution;
         let looks = self.within(looks, state);
         let posterior = self.posterior(&looks, shape_prior, contrasts);
-        let error = RepeatedError::new(&posterior, state, chain, noise)?;
+        let error = RepeatedError::new(&posterior, state, chain, noise, *independent)?;
         Uncertainty::new(self.evidence.model, state, self.camera_prior, &error)
     }
 

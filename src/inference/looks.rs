@@ -8,7 +8,7 @@ use super::evidence::{Evidence, Terms};
 use super::hull;
 use super::sequence::Sequence;
 use crate::body::Posed;
-use crate::likelihood::{Source, Term};
+use crate::likelihood::{PlacedResidual, Source};
 use crate::silhouette::FrameObservations;
 
 /// Terms of −log p(Zᵢ | mᵢ, s) that one place and one moment of the body explain.
@@ -60,30 +60,52 @@ impl<'f> Look<'f> {
     }
 }
 
+/// What every frame shows outside of folds of the skin.
+pub(super) struct Outside<'f> {
+    pub(super) looks: Vec<Vec<Look<'f>>>,
+    pub(super) residuals: Vec<Vec<PlacedResidual>>,
+}
+
+impl<'f> Outside<'f> {
+    /// Of looks, frame by frame; `bodies` are as each sees them.
+    pub(super) fn new(looks: &[Vec<&'f Look<'_>>], bodies: &[Posed<'_>]) -> Self {
+        let all: Vec<&'f Look<'_>> = looks.iter().flatten().copied().collect();
+        let outside = all.par_iter().zip(bodies).map(|(look, body)| look.outside_folds(body));
+        let mut outside = outside.collect::<Vec<_>>().into_iter();
+        let frame = |looks: &Vec<&Look<'_>>| {
+            let (looks, residuals): (_, Vec<_>) = outside.by_ref().take(looks.len()).unzip();
+            (looks, residuals.concat())
+        };
+        let (looks, residuals) = looks.iter().map(frame).unzip();
+        Self { looks, residuals }
+    }
+}
+
 impl Look<'_> {
-    /// The same without the data that lie in folds of the skin at a pose.
-    fn without_folds(&self, body: &Posed<'_>) -> Look<'_> {
-        let terms = self.terms.iter();
-        let terms = terms.map(|term| -> Box<dyn Term + '_> {
-            term.without_folds(body).unwrap_or_else(|| Box::new(&**term))
-        });
-        Look { camera: self.camera, kind: self.kind, terms: terms.collect() }
+    /// The same of the data that do not lie in folds of the skin at a pose, and their residuals.
+    fn outside_folds(&self, body: &Posed<'_>) -> (Look<'_>, Vec<PlacedResidual>) {
+        let (mut terms, mut residuals): (Terms<'_>, Vec<_>) = (Vec::new(), Vec::new());
+        for term in &self.terms {
+            let outside = term.outside_folds(body);
+            terms.push(outside.term.unwrap_or_else(|| Box::new(&**term)));
+            residuals.extend(outside.residuals.into_iter().map(|r| self.named(r)));
+        }
+        (Look { camera: self.camera, kind: self.kind, terms }, residuals)
+    }
+
+    /// A residual with the name of its source: a look of one camera counts its views from 0.
+    fn named(&self, residual: PlacedResidual) -> PlacedResidual {
+        let source = match (self.camera, residual.source) {
+            (Some(camera), Source::View(_)) => Source::View(camera),
+            (Some(camera), Source::Keypoints(_)) => Source::Keypoints(camera),
+            (_, own) => own,
+        };
+        PlacedResidual { source, ..residual }
     }
 
     fn shows_any(&self) -> bool {
         !self.terms.is_empty()
     }
-}
-
-/// Looks, frame by frame, without the data that lie in folds of the skin; `bodies` are as each look sees them.
-pub(super) fn without_folds<'l>(
-    looks: &[Vec<&'l Look<'_>>],
-    bodies: &[Posed<'_>],
-) -> Vec<Vec<Look<'l>>> {
-    let all: Vec<&'l Look<'_>> = looks.iter().flatten().copied().collect();
-    let without = all.par_iter().zip(bodies).map(|(look, body)| look.without_folds(body));
-    let mut without = without.collect::<Vec<_>>().into_iter();
-    looks.iter().map(|looks| without.by_ref().take(looks.len()).collect()).collect()
 }
 
 impl Evidence<'_> {

@@ -29,11 +29,11 @@
 
 use nalgebra::DMatrix;
 
-use super::noise::Noise;
+use super::noise::{DataWeights, Noise};
 use super::sequence_posterior::SequencePosterior;
 use super::sequence_state::SequenceState;
 use crate::body::Layout;
-use crate::solver::{BorderedChain, Problem};
+use crate::solver::{BorderedChain, Problem, QuadraticModel};
 
 /// The covariances of an optimum's error.
 pub(super) struct RepeatedError {
@@ -47,13 +47,14 @@ pub(super) struct RepeatedError {
 const MOST_FOLLOWED: f64 = 0.9;
 
 impl RepeatedError {
-    /// Of an optimum that was found with this noise, of which `chain` is H, by the posterior of data and motions that count once; `None` where a
-    /// matrix is singular.
+    /// Of an optimum that was found with this noise before ν `observations`, of which `chain` is H, by the posterior of data and motions
+    /// that count once; `None` where a matrix is singular.
     pub(super) fn new(
         posterior: &SequencePosterior<'_>,
         optimum: &SequenceState,
         chain: &BorderedChain,
         noise: &Noise,
+        observations: f64,
     ) -> Option<Self> {
         // the priors of H, and the data without them
         let mut priors = posterior.empty_model();
@@ -74,16 +75,24 @@ impl RepeatedError {
         let shared = chain.shared_covariance()?;
         let still = (&data + &pose_prior).cholesky()?.inverse();
         let followed = count(&shared, &shared_prior) + count(&still, &pose_prior);
-        let observations = noise.independent(&posterior.residuals(optimum));
         let leverage = 1.0 / (1.0 - (followed / observations).min(MOST_FOLLOWED));
         let of_data = (shared.cholesky()?.inverse() - &shared_prior) / leverage;
         let precision = of_data + shared_prior;
         let stays = &still * data * &still * (leverage * noise.staying_share());
 
-        // what passes
-        let in_frames = SequencePosterior { weights: noise.weights_in_frame(), ..*posterior };
-        let mut passes = posterior.empty_model();
-        in_frames.linearize(optimum, &mut passes);
+        // what passes: the data count τ/τ₁ times as often, contrasts and motions once
+        let in_frame = 1.0 / (1.0 - noise.staying_share());
+        let mut passes = chain.clone();
+        passes.scale(in_frame);
+        passes.add_scaled(&priors, -in_frame);
+        let undivided = SequencePosterior { weights: DataWeights::all(0.0), ..*posterior };
+        let mut other = priors;
+        other.clear();
+        undivided.linearize_looks(optimum, &mut other);
+        passes.add_scaled(&other, 1.0 - in_frame);
+        other.clear();
+        undivided.linearize_priors(optimum, &mut other);
+        passes.add_scaled(&other, 1.0);
         Some(Self { passes: passes.with_shared_precision(&precision)?, stays })
     }
 }

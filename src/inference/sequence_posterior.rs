@@ -25,7 +25,6 @@ use super::sequence_state::SequenceState;
 use super::{Kind, Look};
 use crate::body::{BodyModel, Layout, Motion, Posed, Shape};
 use crate::camera::Rig;
-use crate::likelihood::{PlacedResidual, Source};
 use crate::solver::{BorderedChain, NormalEquations, Problem};
 
 /// −log p(s, m₁..ₙ, c | Z₁..ₙ) (eq. 1).
@@ -151,9 +150,11 @@ impl SequencePosterior<'_> {
                     Kind::Keypoints => &mut keypoints,
                 },
             );
-            clear_motion(equations, m);
-            sum.cost += weight * linearize_data(&look.look.terms, &body, equations);
-            sum.carry(look, equations, weight);
+            if weight > 0.0 {
+                clear_motion(equations, m);
+                sum.cost += weight * linearize_data(&look.look.terms, &body, equations);
+                sum.carry(look, equations, weight);
+            }
             if self.has_contrasts(look) {
                 clear_motion(&mut of_contrasts, m);
                 sum.cost += self.contrasts.linearize(look.recorded, &body, &mut of_contrasts);
@@ -165,28 +166,6 @@ impl SequencePosterior<'_> {
         sum.add_shape(&keypoints, self.weights.keypoints);
         sum.add_shape(&of_contrasts, 1.0);
         sum
-    }
-
-    /// The residuals of every frame.
-    pub(super) fn residuals(&self, x: &SequenceState) -> Vec<Vec<PlacedResidual>> {
-        let of_look = |placed: &Placed<'_>| {
-            let body = Posed::new(self.model, &x.shape, &placed.seen);
-            let residuals = placed.look.terms.iter().flat_map(|t| t.placed_residuals(&body));
-            // a look of one camera counts its views from 0
-            let source = |own: Source| match (placed.look.camera, own) {
-                (Some(camera), Source::View(_)) => Source::View(camera),
-                (Some(camera), Source::Keypoints(_)) => Source::Keypoints(camera),
-                (_, own) => own,
-            };
-            let named = residuals.map(|r| PlacedResidual { source: source(r.source), ..r });
-            (placed.recorded, named.collect::<Vec<_>>())
-        };
-        let placed = self.placed(x);
-        let mut frames = vec![Vec::new(); x.motions.len()];
-        for (frame, residuals) in placed.par_iter().map(of_look).collect::<Vec<_>>() {
-            frames[frame].extend(residuals);
-        }
-        frames
     }
 
     /// The fit of every frame; the data's cost has weight 1.
@@ -217,6 +196,21 @@ impl SequencePosterior<'_> {
     /// The priors' part of E but for the shape's: of each motion, of the steps and of the cameras.
     fn prior_cost(&self, x: &SequenceState) -> f64 {
         self.motion_prior.cost(&x.motions, self.seconds) + self.camera_prior.cost(&x.cameras)
+    }
+
+    /// The part of g and H of what each camera shows, added to the chain.
+    pub(super) fn linearize_looks(&self, x: &SequenceState, model: &mut BorderedChain) -> f64 {
+        let placed = self.placed(x);
+        let chunks: Vec<_> =
+            placed.chunk_by(|a, b| a.middle() / CHUNK == b.middle() / CHUNK).collect();
+        let sums: Vec<LookSum> =
+            chunks.into_par_iter().map(|chunk| self.linearize_chunk(x, chunk)).collect();
+        let mut cost = 0.0;
+        for sum in sums {
+            cost += sum.cost;
+            sum.add_to(model);
+        }
+        cost
     }
 
     /// The priors' part of g and H, added to the chain: of each motion, of what they share and of the steps.
@@ -258,18 +252,7 @@ impl Problem for SequencePosterior<'_> {
     }
 
     fn linearize(&self, x: &SequenceState, model: &mut BorderedChain) -> f64 {
-        // what each camera shows
-        let placed = self.placed(x);
-        let chunks: Vec<_> =
-            placed.chunk_by(|a, b| a.middle() / CHUNK == b.middle() / CHUNK).collect();
-        let sums: Vec<LookSum> =
-            chunks.into_par_iter().map(|chunk| self.linearize_chunk(x, chunk)).collect();
-        let mut cost = 0.0;
-        for sum in sums {
-            cost += sum.cost;
-            sum.add_to(model);
-        }
-        cost + self.linearize_priors(x, model)
+        self.linearize_looks(x, model) + self.linearize_priors(x, model)
     }
 
     fn retract(&self, x: &SequenceState, delta: &DVector<f64>) -> SequenceState {

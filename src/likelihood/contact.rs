@@ -12,11 +12,14 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use crate::body::metaball::{Field, NEGLIGIBLE};
-use crate::math::exponential::{LANES, exp};
+use crate::math::exponential::exp;
 
 /// A climb ends with the first Newton step that is less than this, metres. The error that is left is of the order of its
 /// square over the size of a metaball, 1e-9 m, and r depends only on the square of that, because x* is a summit.
 const LAST_STEP_M: f64 = 1e-5;
+
+/// Sums are of so many partial sums, so that they are the same for every width of vectors.
+const LANES: usize = 4;
 
 /// Metaballs whose fᵢ is less than e⁻¹⁸, 10⁻⁸, of the largest move no summit that one could see: half of that exponent.
 const FAINT: f64 = 9.0;
@@ -37,7 +40,7 @@ pub(super) struct RayField {
     /// The least dᵢ₀ of each limb.
     leasts: Vec<f64>,
     /// The metaballs of the limb that is being climbed.
-    bumps: Vec<Bumps>,
+    bumps: Bumps,
 }
 
 /// Metaballs as seen from a point: one number for each.
@@ -62,18 +65,40 @@ struct Approach {
     nearest: Vec<f64>,
 }
 
-/// What some metaballs add along the ray.
-#[derive(Debug, Clone, Copy)]
+/// What the metaballs of a limb that are not too faint add along the ray: one number for each, in whole lanes.
+#[derive(Debug, Clone, Default)]
 struct Bumps {
-    nearest: [f64; LANES],
-    at: [f64; LANES],
-    sharpness: [f64; LANES],
+    nearest: Vec<f64>,
+    at: Vec<f64>,
+    sharpness: Vec<f64>,
+    /// a (t − tᵢ), at the place that was looked at last.
+    lean: Vec<f64>,
+    /// f there.
+    value: Vec<f64>,
 }
 
 impl Bumps {
-    /// Of metaballs that are too faint to be seen.
-    const NONE: Self =
-        Self { nearest: [f64::INFINITY; LANES], at: [0.0; LANES], sharpness: [0.0; LANES] };
+    fn clear(&mut self) {
+        self.nearest.clear();
+        self.at.clear();
+        self.sharpness.clear();
+    }
+
+    fn push(&mut self, nearest: f64, at: f64, sharpness: f64) {
+        self.nearest.push(nearest);
+        self.at.push(at);
+        self.sharpness.push(sharpness);
+    }
+
+    /// Fills the last lanes with what is too faint to be seen.
+    fn fill(&mut self) {
+        let whole = self.nearest.len().next_multiple_of(LANES);
+        self.nearest.resize(whole, f64::INFINITY);
+        self.at.resize(whole, 0.0);
+        self.sharpness.resize(whole, 0.0);
+        self.lean.resize(whole, 0.0);
+        self.value.resize(whole, 0.0);
+    }
 }
 
 /// Where F is largest, and ln F there.
@@ -126,7 +151,7 @@ impl RayField {
                 nearest: vec![0.0; count],
             },
             leasts: Vec::with_capacity(field.limbs.len()),
-            bumps: Vec::new(),
+            bumps: Bumps::default(),
         }
     }
 
@@ -161,11 +186,10 @@ impl RayField {
 
         // the metaballs that are not too faint at the nearest one
         let start = self.gather(run, least);
-        let summits = sum_of_summits(&self.bumps);
-        if !enough(summits.ln() - 2.0 * least) {
+        if !enough(sum_of_summits(&mut self.bumps).ln() - 2.0 * least) {
             return None;
         }
-        let summit = climb(&self.bumps, start);
+        let summit = climb(&mut self.bumps, start);
         enough(summit.log_value - 2.0 * least).then_some(summit.at)
     }
 
@@ -173,25 +197,18 @@ impl RayField {
     fn gather(&mut self, run: Range<usize>, least: f64) -> f64 {
         let on_ray = &self.on_ray;
         self.bumps.clear();
-        let (mut start, mut count) = (0.0, 0);
+        let mut start = 0.0;
         for i in run {
             let nearest = on_ray.nearest[i] - least;
             if nearest >= FAINT {
                 continue;
             }
-            let lane = count % LANES;
-            if lane == 0 {
-                self.bumps.push(Bumps::NONE);
-            }
-            let last = &mut self.bumps[count / LANES];
-            last.nearest[lane] = nearest;
-            last.at[lane] = on_ray.at[i];
-            last.sharpness[lane] = on_ray.sharpness[i];
+            self.bumps.push(nearest, on_ray.at[i], on_ray.sharpness[i]);
             if nearest <= 0.0 {
                 start = on_ray.at[i];
             }
-            count += 1;
         }
+        self.bumps.fill();
         start
     }
 
@@ -244,13 +261,17 @@ fn least(numbers: &[f64]) -> f64 {
 
 /// The sum of each metaball's own summit: F is nowhere more.
 #[multiversion::multiversion(targets("x86_64+avx2"))]
-fn sum_of_summits(bumps: &[Bumps]) -> f64 {
-    bumps.iter().map(|b| sum(exp(b.nearest.map(|d| -2.0 * d)))).sum()
+fn sum_of_summits(bumps: &mut Bumps) -> f64 {
+    for (value, nearest) in bumps.value.iter_mut().zip(&bumps.nearest) {
+        *value = exp(-2.0 * nearest);
+    }
+    let blocks = bumps.value.as_chunks::<LANES>().0.iter();
+    sum(blocks.fold([0.0; LANES], |sum, f| std::array::from_fn(|k| sum[k] + f[k])))
 }
 
 /// The summit reached from `start`; the bits are those of every instruction set.
 #[multiversion::multiversion(targets("x86_64+avx2"))]
-fn climb(bumps: &[Bumps], start: f64) -> Summit {
+fn climb(bumps: &mut Bumps, start: f64) -> Summit {
     let mut t = start;
     let mut here = slope(bumps, t);
     // what the last step adds to ln F
@@ -275,12 +296,22 @@ fn climb(bumps: &[Bumps], start: f64) -> Summit {
 }
 
 #[inline(always)]
-fn slope(bumps: &[Bumps], t: f64) -> Slope {
+fn slope(bumps: &mut Bumps, t: f64) -> Slope {
+    // slices of one length: the loop needs no checks of bounds and is vectorised
+    let n = bumps.nearest.len();
+    let (nearest, at, sharpness) = (&bumps.nearest[..n], &bumps.at[..n], &bumps.sharpness[..n]);
+    let (leans, values) = (&mut bumps.lean[..n], &mut bumps.value[..n]);
+    for i in 0..n {
+        let lean = sharpness[i] * (t - at[i]);
+        leans[i] = lean;
+        values[i] = exp(-2.0 * (nearest[i] + lean * (t - at[i])));
+    }
+
     // F, the sums of its derivatives without their constant factors, and mean shift's
     let [mut value, mut first, mut second, mut pull, mut weight] = [[0.0; LANES]; 5];
-    for Bumps { nearest, at, sharpness } in bumps {
-        let lean: [f64; LANES] = std::array::from_fn(|k| sharpness[k] * (t - at[k]));
-        let f = exp(std::array::from_fn(|k| -2.0 * (nearest[k] + lean[k] * (t - at[k]))));
+    let blocks = values.as_chunks::<LANES>().0.iter().zip(leans.as_chunks::<LANES>().0);
+    let blocks = blocks.zip(at.as_chunks::<LANES>().0).zip(sharpness.as_chunks::<LANES>().0);
+    for (((f, lean), at), sharpness) in blocks {
         for k in 0..LANES {
             value[k] += f[k];
             first[k] += f[k] * lean[k];

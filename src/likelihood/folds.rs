@@ -11,8 +11,8 @@
 //! once, where a round of the optimum begins: E is the same function for all steps of a round. Decided at each step, E would
 //! fall as folds grow.
 
-use super::Source;
-use super::skin_term::SkinTerm;
+use super::skin_term::{SkinTerm, SkinTouch};
+use super::{PlacedResidual, Source};
 use crate::body::metaball::{Field, FieldSample};
 use crate::body::{BodyModel, PartId, Posed};
 
@@ -41,21 +41,30 @@ impl Folds<'_> {
     }
 }
 
-/// The data of a term that lie in folds of a body; `None` if there are none.
-pub(super) fn folded(term: &impl SkinTerm, body: &Posed<'_>) -> Option<Vec<(Source, usize)>> {
-    let pairs = body.model.folds();
-    if pairs.is_empty() {
-        return None;
+/// The data of a term, divided by whether they lie in folds of a body.
+pub(super) struct Divided {
+    /// Residuals of the data outside.
+    pub(super) outside: Vec<PlacedResidual>,
+    /// The data inside: of which source, and their position in it.
+    pub(super) inside: Vec<(Source, usize)>,
+}
+
+impl Divided {
+    /// Divides the data of a term.
+    pub(super) fn new(term: &impl SkinTerm, body: &Posed<'_>) -> Self {
+        let field = Field::from_body(body);
+        let folds = Folds { model: body.model, field: &field, pairs: body.model.folds() };
+        let mut divided = Self { outside: Vec::new(), inside: Vec::new() };
+        term.touches(body, &field, &term.scale(body, &field), |touch, sample| {
+            if folds.contain(sample) {
+                divided.inside.push((touch.source, touch.index));
+            } else {
+                let touch = SkinTouch::new(touch, sample);
+                divided.outside.extend(touch.placed(body, &field, term.loss()));
+            }
+        });
+        divided
     }
-    let field = Field::from_body(body);
-    let folds = Folds { model: body.model, field: &field, pairs };
-    let mut inside = Vec::new();
-    term.touches(body, &field, &term.scale(body, &field), |touch, sample| {
-        if folds.contain(sample) {
-            inside.push((touch.source, touch.index));
-        }
-    });
-    (!inside.is_empty()).then_some(inside)
 }
 
 /// Of so many data of a source those that do not lie in folds.
@@ -89,8 +98,10 @@ mod tests {
         };
         let points = (0..10).map(point).collect();
         let term = PointField::new(points, PointOptions::default(), SkinScale::new(model));
-        let without = term.without_folds(&body);
-        without.map_or(10, |without| without.placed_residuals(&body).len())
+        let outside = term.outside_folds(&body);
+        let left = outside.term.map_or(10, |term| term.placed_residuals(&body).len());
+        assert_eq!(outside.residuals.len(), left);
+        left
     }
 
     #[test]

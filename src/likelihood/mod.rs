@@ -69,13 +69,27 @@ pub trait Term: Send + Sync {
     fn linearize(&self, body: &Posed<'_>, equations: &mut NormalEquations) -> f64;
     /// The residuals at a pose, those of one source in the order of its data (along a border).
     fn placed_residuals(&self, body: &Posed<'_>) -> Vec<PlacedResidual>;
-    /// The same without the data that lie in folds of the skin at a pose; `None` if none do.
-    fn without_folds(&self, _body: &Posed<'_>) -> Option<Box<dyn Term>> {
-        None
+    /// The same of the data that do not lie in folds of the skin at a pose.
+    fn outside_folds(&self, body: &Posed<'_>) -> OutsideFolds {
+        OutsideFolds { residuals: self.placed_residuals(body), term: None }
     }
     /// What cameras side by side see differently, of a kind of data that can tell.
     fn parallax(&self, _body: &Posed<'_>) -> Option<Parallax> {
         None
+    }
+}
+
+/// What a term says of the data that do not lie in folds of the skin.
+pub struct OutsideFolds {
+    /// Their residuals.
+    pub residuals: Vec<PlacedResidual>,
+    /// The term of them alone; `None` where it is of all data.
+    pub term: Option<Box<dyn Term>>,
+}
+
+impl std::fmt::Debug for OutsideFolds {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "OutsideFolds({} residuals)", self.residuals.len())
     }
 }
 
@@ -100,8 +114,8 @@ impl<T: Term + ?Sized> Term for &T {
         (**self).placed_residuals(body)
     }
 
-    fn without_folds(&self, body: &Posed<'_>) -> Option<Box<dyn Term>> {
-        (**self).without_folds(body)
+    fn outside_folds(&self, body: &Posed<'_>) -> OutsideFolds {
+        (**self).outside_folds(body)
     }
 
     fn parallax(&self, body: &Posed<'_>) -> Option<Parallax> {

@@ -30,11 +30,11 @@
 
 use nalgebra::Vector2;
 
-use super::folds;
+use super::folds::{self, Divided};
 use super::nearest_limb::NearestLimb;
 use super::skin_distance::{PosedScale, SkinScale};
 use super::skin_term::{self, SkinTerm, SkinTouch, Touch};
-use super::{PlacedResidual, PointOptions, Source, SurfacePoint, Term};
+use super::{OutsideFolds, PlacedResidual, PointOptions, Source, SurfacePoint, Term};
 use crate::body::Posed;
 use crate::body::metaball::{Field, FieldSample};
 use crate::solver::{Loss, NormalEquations};
@@ -118,15 +118,18 @@ impl Term for PointField {
         skin_term::placed(self, body)
     }
 
-    fn without_folds(&self, body: &Posed<'_>) -> Option<Box<dyn Term>> {
-        let folded = folds::folded(self, body)?;
-        let kept = folds::kept(Source::Cloud, self.points.len(), &folded);
-        Some(Box::new(Self {
-            points: kept.iter().map(|&i| self.points[i]).collect(),
-            weights: kept.iter().map(|&i| self.weights[i]).collect(),
-            options: self.options,
-            scale: self.scale.clone(),
-        }))
+    fn outside_folds(&self, body: &Posed<'_>) -> OutsideFolds {
+        let Divided { outside, inside } = Divided::new(self, body);
+        let kept = folds::kept(Source::Cloud, self.points.len(), &inside);
+        let only = || -> Box<dyn Term> {
+            Box::new(Self {
+                points: kept.iter().map(|&i| self.points[i]).collect(),
+                weights: kept.iter().map(|&i| self.weights[i]).collect(),
+                options: self.options,
+                scale: self.scale.clone(),
+            })
+        };
+        OutsideFolds { residuals: outside, term: (!inside.is_empty()).then(only) }
     }
 }
 

@@ -29,11 +29,11 @@
 use nalgebra::{Vector2, Vector3};
 
 use super::contact::RayField;
-use super::folds;
+use super::folds::{self, Divided};
 use super::part_offset::{PartOffset, displace};
 use super::skin_distance::{Derivatives, PosedScale, Residual, SkinResidual, SkinScale};
 use super::skin_term::{self, SkinTerm, SkinTouch, Touch, TouchPlace};
-use super::{Parallax, PlacedResidual, Source, Term};
+use super::{OutsideFolds, Parallax, PlacedResidual, Source, Term};
 use crate::body::Posed;
 use crate::body::metaball::{Field, FieldSample};
 use crate::camera::Camera;
@@ -296,11 +296,12 @@ impl Term for SilhouetteRays {
         skin_term::placed(self, body)
     }
 
-    fn without_folds(&self, body: &Posed<'_>) -> Option<Box<dyn Term>> {
-        let folded = folds::folded(self, body)?;
+    fn outside_folds(&self, body: &Posed<'_>) -> OutsideFolds {
+        let Divided { outside, inside } = Divided::new(self, body);
         let views = self.views.iter().enumerate();
-        let kept = views.map(|(i, view)| folds::kept(Source::View(i), view.len(), &folded));
-        Some(Box::new(self.only(&kept.collect::<Vec<_>>())))
+        let kept = views.map(|(i, view)| folds::kept(Source::View(i), view.len(), &inside));
+        let only = || -> Box<dyn Term> { Box::new(self.only(&kept.collect::<Vec<_>>())) };
+        OutsideFolds { residuals: outside, term: (!inside.is_empty()).then(only) }
     }
 
     fn parallax(&self, body: &Posed<'_>) -> Option<Parallax> {

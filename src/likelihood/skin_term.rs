@@ -47,6 +47,43 @@ pub struct SkinTouch {
     pub metaball: usize,
 }
 
+impl SkinTouch {
+    /// What is left of a touch when the field is sampled elsewhere.
+    pub(super) fn new(touch: &Touch<'_>, sample: &FieldSample) -> Self {
+        Self {
+            source: touch.source,
+            residual_m: touch.residual.distance_m,
+            sigma_m: touch.sigma_m,
+            sigma: touch.sigma,
+            weight: touch.weight,
+            outward_px: touch.outward_px,
+            place_world: Point3::from(sample.point_world),
+            metaball: sample.heaviest().unwrap_or_default(),
+        }
+    }
+
+    /// The same, placed on a part of the body.
+    pub(super) fn placed(
+        &self,
+        body: &Posed<'_>,
+        field: &Field,
+        loss: Loss,
+    ) -> Option<PlacedResidual> {
+        let (part, place_part) = place(body, field, self.metaball, &self.place_world)?;
+        let value = self.residual_m / self.sigma_m;
+        Some(PlacedResidual {
+            source: self.source,
+            value,
+            trust: loss.evaluate(value).1,
+            sigma: self.sigma,
+            weight: self.weight,
+            outward_px: self.outward_px,
+            part,
+            place_part,
+        })
+    }
+}
+
 /// An observation at one state.
 pub(super) struct Touch<'a> {
     pub(super) source: Source,
@@ -280,16 +317,7 @@ pub(super) fn all_touches(term: &impl SkinTerm, body: &Posed<'_>) -> Vec<SkinTou
     let field = Field::from_body(body);
     let mut all = Vec::new();
     term.touches(body, &field, &term.scale(body, &field), |touch, sample| {
-        all.push(SkinTouch {
-            source: touch.source,
-            residual_m: touch.residual.distance_m,
-            sigma_m: touch.sigma_m,
-            sigma: touch.sigma,
-            weight: touch.weight,
-            outward_px: touch.outward_px,
-            place_world: Point3::from(sample.point_world),
-            metaball: sample.heaviest().unwrap_or_default(),
-        });
+        all.push(SkinTouch::new(touch, sample));
     });
     all
 }
@@ -297,19 +325,6 @@ pub(super) fn all_touches(term: &impl SkinTerm, body: &Posed<'_>) -> Vec<SkinTou
 /// The same, placed on the parts of the body.
 pub(super) fn placed(term: &impl SkinTerm, body: &Posed<'_>) -> Vec<PlacedResidual> {
     let field = Field::from_body(body);
-    let placed = |touch: SkinTouch| {
-        let (part, place_part) = place(body, &field, touch.metaball, &touch.place_world)?;
-        let value = touch.residual_m / touch.sigma_m;
-        Some(PlacedResidual {
-            source: touch.source,
-            value,
-            trust: term.loss().evaluate(value).1,
-            sigma: touch.sigma,
-            weight: touch.weight,
-            outward_px: touch.outward_px,
-            part,
-            place_part,
-        })
-    };
-    all_touches(term, body).into_iter().filter_map(placed).collect()
+    let touches = all_touches(term, body).into_iter();
+    touches.filter_map(|touch| touch.placed(body, &field, term.loss())).collect()
 }

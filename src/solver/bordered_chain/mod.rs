@@ -72,6 +72,32 @@ impl BorderedChain {
         Some(self)
     }
 
+    /// Multiplies it by a factor.
+    pub fn scale(&mut self, factor: f64) {
+        for link in &mut self.links {
+            link.diagonal *= factor;
+            link.couplings.iter_mut().for_each(|coupling| *coupling *= factor);
+            link.border *= factor;
+            link.gradient *= factor;
+        }
+        self.corner *= factor;
+        self.corner_gradient *= factor;
+    }
+
+    /// Adds a model of the same form, times a factor.
+    pub fn add_scaled(&mut self, other: &Self, factor: f64) {
+        for (link, other) in self.links.iter_mut().zip(&other.links) {
+            link.diagonal += &other.diagonal * factor;
+            for (coupling, other) in link.couplings.iter_mut().zip(&other.couplings) {
+                *coupling += other * factor;
+            }
+            link.border += &other.border * factor;
+            link.gradient.axpy(factor, &other.gradient, 1.0);
+        }
+        self.corner += &other.corner * factor;
+        self.corner_gradient.axpy(factor, &other.corner_gradient, 1.0);
+    }
+
     fn largest_diagonal(&self) -> f64 {
         let blocks = self.links.iter().map(|l| &l.diagonal).chain([&self.corner]);
         blocks.flat_map(|b| (0..b.nrows()).map(move |k| b[(k, k)])).fold(0.0, f64::max)
