@@ -81,6 +81,11 @@ impl Contrasts {
         Self { frames, weight }
     }
 
+    /// Whether no frame has any.
+    pub(super) fn are_none(&self) -> bool {
+        self.frames.iter().all(Option::is_none)
+    }
+
     /// Whether a frame has any.
     pub(super) fn has(&self, frame: usize) -> bool {
         self.frames[frame].is_some()
@@ -110,7 +115,7 @@ impl Contrasts {
         chain: &BorderedChain,
     ) -> Leverages {
         let mut clusters: BTreeMap<Cluster, Followed> = BTreeMap::new();
-        if self.frames.iter().all(Option::is_none) {
+        if self.are_none() {
             return Leverages::new();
         }
 

@@ -6,6 +6,7 @@
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector, Matrix3, SVector, Vector3};
+use rayon::prelude::*;
 
 use super::camera_offset::COMPONENTS;
 use super::camera_prior::CameraPrior;
@@ -48,6 +49,9 @@ pub struct FrameUncertainty {
     pub apart: Vec<Matrix3<f64>>,
 }
 
+/// Frames of which covariances wait until they are carried on together.
+const BATCH: usize = 32;
+
 impl Uncertainty {
     /// Standard deviations of the components of a camera's offset; `None` where cameras are trusted.
     pub fn camera_sd(&self, camera: usize) -> Option<SVector<f64, COMPONENTS>> {
@@ -72,18 +76,26 @@ impl Uncertainty {
         error: &RepeatedError,
     ) -> Option<Self> {
         let RepeatedError { passes, stays } = error;
+        let carried = |(i, covariance): (usize, DMatrix<f64>)| {
+            let body = Posed::new(model, &state.shape, &state.motions[i]);
+            frame_uncertainty(model, &body, &covariance)
+        };
         // frame by frame, in the order of the chain's marginals: backwards
         let (mut frames, mut shared) = (Vec::new(), DMatrix::zeros(0, 0));
+        let mut waiting: Vec<(usize, DMatrix<f64>)> = Vec::with_capacity(BATCH);
         let complete = passes.marginals(|i, marginal| {
             if shared.is_empty() {
                 shared = marginal.shared.clone();
             }
-            let body = Posed::new(model, &state.shape, &state.motions[i]);
             let mut covariance = marginal.covariance();
             let mut of_motion = covariance.view_mut((0, 0), stays.shape());
             of_motion += stays;
-            frames.push(frame_uncertainty(model, &body, &covariance));
+            waiting.push((i, covariance));
+            if waiting.len() == BATCH {
+                frames.par_extend(waiting.par_drain(..).map(carried));
+            }
         });
+        frames.par_extend(waiting.into_par_iter().map(carried));
         frames.reverse();
         if !complete || frames.len() != state.motions.len() {
             return None;

@@ -138,6 +138,12 @@ impl Noise {
         frames.iter().flatten().map(|r| r.weight * worth.of(Kind::of(r.source))).sum()
     }
 
+    /// How many kinds of data there are.
+    pub fn kinds(&self) -> usize {
+        let surfaces = [self.outlines, self.points].iter().flatten().count();
+        surfaces + usize::from(self.keypoints.is_some())
+    }
+
     /// The factor of the data that chose between hypotheses.
     pub fn data_weight(&self) -> f64 {
         self.weights().of(self.chooses())
@@ -170,15 +176,19 @@ impl SurfaceNoise {
     /// `neighbours` is how λ is found.
     fn from_residuals(
         frames: &[Vec<&PlacedResidual>],
-        neighbours: impl Fn(&[Vec<&PlacedResidual>]) -> f64,
+        neighbours: fn(&[Vec<&PlacedResidual>]) -> f64,
     ) -> Option<Self> {
-        let is_seen = frames.iter().any(|rows| !rows.is_empty());
-        is_seen.then(|| Self {
-            scale: scale(frames),
-            along_border: neighbours(frames),
-            together: together(frames, |_, place| place),
-            in_one_frame: together(frames, |frame, place| (frame, place)),
-        })
+        if frames.iter().all(Vec::is_empty) {
+            return None;
+        }
+        let ((scale, along_border), (together, in_one_frame)) = rayon::join(
+            || (scale(frames), neighbours(frames)),
+            || {
+                let in_one_frame = together(frames, |frame, place| (frame, place));
+                (together(frames, |_, place| place), in_one_frame)
+            },
+        );
+        Some(Self { scale, along_border, together, in_one_frame })
     }
 
     /// The factor of their cost: 1/(κ²λτ).

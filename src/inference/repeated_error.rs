@@ -29,7 +29,7 @@
 
 use nalgebra::DMatrix;
 
-use super::noise::{DataWeights, Noise};
+use super::noise::Noise;
 use super::sequence_posterior::SequencePosterior;
 use super::sequence_state::SequenceState;
 use crate::body::Layout;
@@ -80,21 +80,33 @@ impl RepeatedError {
         let precision = of_data + shared_prior;
         let stays = &still * data * &still * (leverage * noise.staying_share());
 
-        // what passes: the data count τ/τ₁ times as often, contrasts and motions once
-        let in_frame = 1.0 / (1.0 - noise.staying_share());
-        let mut passes = chain.clone();
-        passes.scale(in_frame);
-        passes.add_scaled(&priors, -in_frame);
-        let undivided = SequencePosterior { weights: DataWeights::all(0.0), ..*posterior };
-        let mut other = priors;
-        other.clear();
-        undivided.linearize_looks(optimum, &mut other);
-        passes.add_scaled(&other, 1.0 - in_frame);
-        other.clear();
-        undivided.linearize_priors(optimum, &mut other);
-        passes.add_scaled(&other, 1.0);
+        let passes = passing(posterior, optimum, chain, priors, noise);
         Some(Self { passes: passes.with_shared_precision(&precision)?, stays })
     }
+}
+
+/// H of what passes. Data of one kind without contrasts are as in `chain`, without its `priors`, and count τ/τ₁ times as often.
+fn passing(
+    posterior: &SequencePosterior<'_>,
+    optimum: &SequenceState,
+    chain: &BorderedChain,
+    mut priors: BorderedChain,
+    noise: &Noise,
+) -> BorderedChain {
+    if noise.kinds() > 1 || !posterior.contrasts.are_none() {
+        let in_frames = SequencePosterior { weights: noise.weights_in_frame(), ..*posterior };
+        priors.clear();
+        in_frames.linearize(optimum, &mut priors);
+        return priors;
+    }
+    let times = 1.0 / (1.0 - noise.staying_share());
+    let mut passes = chain.clone();
+    passes.scale(times);
+    passes.add_scaled(&priors, -times);
+    priors.clear();
+    posterior.linearize_priors(optimum, &mut priors);
+    passes.add_scaled(&priors, 1.0);
+    passes
 }
 
 /// How many unknowns the data determine: n − tr(Λ₀Σ).

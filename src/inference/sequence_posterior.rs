@@ -150,11 +150,9 @@ impl SequencePosterior<'_> {
                     Kind::Keypoints => &mut keypoints,
                 },
             );
-            if weight > 0.0 {
-                clear_motion(equations, m);
-                sum.cost += weight * linearize_data(&look.look.terms, &body, equations);
-                sum.carry(look, equations, weight);
-            }
+            clear_motion(equations, m);
+            sum.cost += weight * linearize_data(&look.look.terms, &body, equations);
+            sum.carry(look, equations, weight);
             if self.has_contrasts(look) {
                 clear_motion(&mut of_contrasts, m);
                 sum.cost += self.contrasts.linearize(look.recorded, &body, &mut of_contrasts);
@@ -198,21 +196,6 @@ impl SequencePosterior<'_> {
         self.motion_prior.cost(&x.motions, self.seconds) + self.camera_prior.cost(&x.cameras)
     }
 
-    /// The part of g and H of what each camera shows, added to the chain.
-    pub(super) fn linearize_looks(&self, x: &SequenceState, model: &mut BorderedChain) -> f64 {
-        let placed = self.placed(x);
-        let chunks: Vec<_> =
-            placed.chunk_by(|a, b| a.middle() / CHUNK == b.middle() / CHUNK).collect();
-        let sums: Vec<LookSum> =
-            chunks.into_par_iter().map(|chunk| self.linearize_chunk(x, chunk)).collect();
-        let mut cost = 0.0;
-        for sum in sums {
-            cost += sum.cost;
-            sum.add_to(model);
-        }
-        cost
-    }
-
     /// The priors' part of g and H, added to the chain: of each motion, of what they share and of the steps.
     pub(super) fn linearize_priors(&self, x: &SequenceState, model: &mut BorderedChain) -> f64 {
         let mut cost = self.motion_prior.linearize(&x.motions, self.seconds, &mut model.links);
@@ -252,7 +235,17 @@ impl Problem for SequencePosterior<'_> {
     }
 
     fn linearize(&self, x: &SequenceState, model: &mut BorderedChain) -> f64 {
-        self.linearize_looks(x, model) + self.linearize_priors(x, model)
+        let placed = self.placed(x);
+        let chunks: Vec<_> =
+            placed.chunk_by(|a, b| a.middle() / CHUNK == b.middle() / CHUNK).collect();
+        let sums: Vec<LookSum> =
+            chunks.into_par_iter().map(|chunk| self.linearize_chunk(x, chunk)).collect();
+        let mut cost = 0.0;
+        for sum in sums {
+            cost += sum.cost;
+            sum.add_to(model);
+        }
+        cost + self.linearize_priors(x, model)
     }
 
     fn retract(&self, x: &SequenceState, delta: &DVector<f64>) -> SequenceState {
