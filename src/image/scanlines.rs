@@ -83,7 +83,8 @@ impl Scanlines {
 
     /// Whether a point is inside, judged on the row nearest to it.
     pub fn contains(&self, point: &Point2<f64>) -> bool {
-        let r = ((point.y - self.rows.first) / self.rows.step).round();
+        // rounded without a call: what is below 0 is no row
+        let r = (point.y - self.rows.first) / self.rows.step + 0.5;
         if !(r >= 0.0 && r < self.first.len() as f64) {
             return false;
         }

@@ -5,7 +5,7 @@
 //! H = Σᵢⱼ Jᵢᵀ (Σ_cameras Pᵢᵀ (Σ_points) Pⱼ) Jⱼ. A row that touches two ellipses (smooth minimum)
 //! adds a block to their pair.
 
-use nalgebra::{DMatrix, SMatrix, SVector};
+use nalgebra::{SMatrix, SVector};
 
 use super::offset_row::OffsetRow;
 use crate::body::EllipsoidJacobians;
@@ -127,7 +127,7 @@ impl EllipseSums<9> {
             components[..free].iter().copied().zip(jacobians.values[i].column_iter())
         };
 
-        let mut half: DMatrix<f64> = DMatrix::zeros(dimension, dimension);
+        let hessian = &mut equations.hessian;
         let mut row = SparseRow::new(dimension);
         for (i, gradient) in self.gradients.iter().enumerate() {
             for (component, slope) in free(i) {
@@ -141,17 +141,14 @@ impl EllipseSums<9> {
             }
             self.offsets_of(i).for_each(|(component, sum)| row.add(component, sum));
 
-            // A
+            // A and Aᵀ, of which only the lower triangle counts
             row.drain(|column, pull| {
-                let mut target = half.column_mut(column);
-                free(i).for_each(|(component, slope)| target[component] += slope.dot(pull));
+                for (component, slope) in free(i) {
+                    let value = slope.dot(pull);
+                    let place = (component.max(column), component.min(column));
+                    hessian[place] += if component == column { 2.0 * value } else { value };
+                }
             });
-        }
-
-        for column in 0..dimension {
-            for row in column..dimension {
-                equations.hessian[(row, column)] += half[(row, column)] + half[(column, row)];
-            }
         }
     }
 

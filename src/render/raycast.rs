@@ -14,7 +14,7 @@ use crate::math::quadric::{self, Ellipsoid};
 const FARTHEST: f64 = 6.0;
 
 /// Side of the square tiles, for each of which the metaballs in reach are listed, px.
-const TILE_PX: usize = 16;
+const TILE_PX: usize = 8;
 
 /// The mask of a body in a camera: the pixels whose line of sight meets F ≥ T, F the largest of the limbs' sums.
 ///

@@ -60,6 +60,8 @@ pub struct Solution<S, M> {
 const SHORTEST: f64 = 0.1;
 /// λ beyond which no step lowers the cost.
 const MAX_DAMPING: f64 = 1e8;
+/// λ that a step feels: less hardly changes it, and what was no better would not be better again.
+const FELT: f64 = 1e-2;
 /// A step that promises less than this many times the tolerance is likely the last.
 const LIKELY_LAST: f64 = 10.0;
 
@@ -74,9 +76,8 @@ const LIKELY_LAST: f64 = 10.0;
 /// t = −gᵀδ / 2(E(x ⊞ δ) − E(x) − gᵀδ),
 ///
 /// which needs no linearisation where it fails. Where the parabola falls by less than the tolerance, that is the last step, too. A cost
-/// with small jumps rises behind one of them at any λ that does not
-/// change the step, and Nielsen's rule alone came to a λ that does after five or six linearisations. If x ⊞ tδ is no better either, λ
-/// grows by that rule.
+/// with small jumps rises behind one of them at any λ that does not change the step. If x ⊞ tδ is no better either, λ
+/// grows by Nielsen's rule, but at once to 10⁻², which the step feels.
 ///
 /// # Source
 /// Marquardt 1963 (scaling by diag H); Madsen, Nielsen, Tingleff 2004, algorithm 3.16; Dennis & Schnabel 1983, § 6.3.2 (the
@@ -229,7 +230,7 @@ impl<'p, P: Problem> Descent<'p, P> {
                 return self.take(shorter, cost, Linearized::NotYet, &delta);
             }
         }
-        self.lambda = (self.lambda * self.growth).max(1e-9);
+        self.lambda = (self.lambda * self.growth).max(FELT);
         self.growth *= 2.0;
         None
     }

@@ -32,9 +32,16 @@ pub(in crate::pipeline) struct WithoutRods<'a> {
 
 impl<'a> WithoutRods<'a> {
     pub(in crate::pipeline) fn new(rig: &Rig, frames: &'a [FrameObservations]) -> Self {
-        let sampled = shown_by_two(frames, SAMPLED_FRAMES).into_par_iter();
-        let looked: Vec<(CameraId, bool)> =
-            sampled.flat_map_iter(|i| holding(rig, &frames[i])).collect();
+        let sampled = shown_by_two(frames, SAMPLED_FRAMES);
+        let look = |first: usize| -> Vec<(CameraId, bool)> {
+            let every_other = sampled.par_iter().skip(first).step_by(2);
+            every_other.flat_map_iter(|i| holding(rig, &frames[*i])).collect()
+        };
+        // most recordings hold none, and half of the frames tell
+        let mut looked = look(0);
+        if looked.iter().any(|(_, holds)| *holds) {
+            looked.extend(look(1));
+        }
         let holding: Vec<CameraId> = looked.iter().filter(|l| l.1).map(|l| l.0).collect();
         let share = holding.len() as f64 / looked.len().max(1) as f64;
         if share <= LEAST_SHARE {
