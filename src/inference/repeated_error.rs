@@ -113,3 +113,74 @@ fn passing(
 fn count(covariance: &DMatrix<f64>, prior: &DMatrix<f64>) -> f64 {
     covariance.nrows() as f64 - covariance.component_mul(prior).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::Shape;
+    use crate::inference::camera_prior::CameraPrior;
+    use crate::inference::contrasts::Contrasts;
+    use crate::inference::looks::Outside;
+    use crate::inference::motion_prior::MotionPrior;
+    use crate::inference::noise::{DataWeights, Noise};
+    use crate::inference::prior::ShapePrior;
+    use crate::inference::propagate::tests::walker;
+    use crate::inference::step::MotionModel;
+    use crate::inference::{Detail, Evidence, Look};
+    use crate::likelihood::{LikelihoodOptions, Measure};
+
+    #[test]
+    fn what_passes_is_as_if_the_data_were_looked_at_again() {
+        let (walker, frames) = walker(3, 25.0);
+        let options = LikelihoodOptions::default();
+        let evidence = Evidence::new(&walker.model, &walker.rig, options, Measure::Metaballs);
+        let looks: Vec<_> =
+            frames.iter().map(|f| evidence.looks_of_all(f, Detail::Coarse)).collect();
+        let looks: Vec<Vec<&Look<'_>>> = looks.iter().map(|look| look.iter().collect()).collect();
+        let shape = Shape(walker.model.statistics.mean.clone());
+        let state = SequenceState::new(shape, walker.motions.clone());
+        let motion_prior = MotionPrior::new(&walker.model, MotionModel::ConstantVelocity);
+        let seconds = [0.04; 3];
+        let posterior = SequencePosterior {
+            model: &walker.model,
+            rig: &walker.rig,
+            camera_prior: &CameraPrior::trusting(),
+            shape_prior: &ShapePrior::new(&walker.model),
+            motion_prior: &motion_prior,
+            seconds: &seconds,
+            looks: &looks,
+            weights: DataWeights::all(1.0),
+            contrasts: &Contrasts::none(3),
+        };
+        let noise =
+            Noise::from_residuals(&Outside::new(&looks, &posterior.bodies(&state)).residuals);
+        assert!(noise.staying_share() > 0.1, "{noise:?}");
+
+        // H as an optimum has it, and its priors
+        let beside = motion_prior.beside(noise.staying_share(), &seconds);
+        let weights = noise.weights();
+        let sought = SequencePosterior { weights, motion_prior: &beside, ..posterior };
+        let (mut chain, mut priors) = (posterior.empty_model(), posterior.empty_model());
+        sought.linearize(&state, &mut chain);
+        sought.linearize_priors(&state, &mut priors);
+        let found = passing(&posterior, &state, &chain, priors, &noise);
+
+        let again = SequencePosterior { weights: noise.weights_in_frame(), ..posterior };
+        let mut expected = posterior.empty_model();
+        again.linearize(&state, &mut expected);
+        approx::assert_relative_eq!(
+            found.corner,
+            expected.corner,
+            max_relative = 1e-9,
+            epsilon = 1e-6
+        );
+        for (found, expected) in found.links.iter().zip(&expected.links) {
+            let alike = |a: &DMatrix<f64>, b: &DMatrix<f64>| {
+                approx::assert_relative_eq!(a, b, max_relative = 1e-9, epsilon = 1e-6);
+            };
+            alike(&found.diagonal, &expected.diagonal);
+            alike(&found.border, &expected.border);
+            found.couplings.iter().zip(&expected.couplings).for_each(|(a, b)| alike(a, b));
+        }
+    }
+}

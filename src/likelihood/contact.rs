@@ -11,7 +11,7 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use crate::body::metaball::{Field, NEGLIGIBLE};
+use crate::body::metaball::Field;
 use crate::math::exponential::exp;
 
 /// A climb ends with the first Newton step that is less than this, metres. The error that is left is of the order of its
@@ -21,7 +21,8 @@ const LAST_STEP_M: f64 = 1e-5;
 /// Sums are of so many partial sums, so that they are the same for every width of vectors.
 const LANES: usize = 4;
 
-/// Metaballs whose fᵢ is less than e⁻¹⁸, 10⁻⁸, of the largest move no summit that one could see: half of that exponent.
+/// Metaballs whose fᵢ is nowhere on the ray more than e⁻¹⁸, 10⁻⁸, of the largest summit move no contact that one could see: half of that
+/// exponent.
 const FAINT: f64 = 9.0;
 
 /// A climb ends after so many steps in any case; most take four.
@@ -214,7 +215,7 @@ impl RayField {
 
     /// The metaballs of a limb that contribute where the present ray touches it.
     pub(super) fn near(&self, limb: usize, near: &mut Vec<usize>) {
-        let reach = self.leasts[limb] + NEGLIGIBLE;
+        let reach = self.leasts[limb] + FAINT;
         let run = self.limbs[limb].clone();
         let all = self.balls[run.clone()].iter().zip(&self.on_ray.nearest[run]);
         near.clear();

@@ -20,7 +20,6 @@ mod slopes;
 
 pub use check::check_field;
 pub use field::{Field, Metaball};
-pub(crate) use sample::NEGLIGIBLE;
 pub use sample::{FieldSample, Share};
 pub use sampler::Sampler;
 pub use slopes::{BallChange, FieldRow, FieldSlopes};

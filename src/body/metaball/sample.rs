@@ -11,7 +11,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::Field;
 
 /// Metaballs whose fᵢ is less than e⁻³² of the largest are left out: half of that exponent.
-pub(crate) const NEGLIGIBLE: f64 = 9.0;
+pub(super) const NEGLIGIBLE: f64 = 16.0;
 
 /// What one metaball contributes at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
