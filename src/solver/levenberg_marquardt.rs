@@ -68,7 +68,11 @@ const LIKELY_LAST: f64 = 10.0;
 /// Minimises a problem from `start`.
 ///
 /// A candidate is linearised at once, as most are accepted, and a separate evaluation of the cost would be work done twice. One that is
-/// likely the last is not: its cost is evaluated alone, and it is linearised only where it lowers the cost by more than the tolerance.
+/// likely the last is not: its cost is evaluated alone, and it is linearised only where it lowers the cost by more than the tolerance, and
+/// more than that is left. Gauss–Newton converges linearly: if the last two steps lowered the cost by d′ and d, what is left is about
+///
+/// d ρ/(1 − ρ),  ρ = d/d′.
+///
 /// A step that promises less than the tolerance, or keeps less, changes neither g nor H by anything that counts, and is taken if its
 /// cost is lower. A candidate of higher cost is dropped. The step is then shortened once: E along δ is taken for the parabola
 /// through E(x), its slope there and the cost that was dropped,
@@ -109,6 +113,8 @@ struct Descent<'p, P: Problem> {
     candidate_model: P::Model,
     lambda: f64,
     growth: f64,
+    /// By how much the last step lowered the cost; 0 before any.
+    decrease: f64,
     iterations: usize,
     costs: Vec<f64>,
 }
@@ -134,6 +140,7 @@ impl<'p, P: Problem> Descent<'p, P> {
             candidate_model,
             lambda: options.damping,
             growth: 2.0,
+            decrease: 0.0,
             iterations: 0,
             costs: vec![cost],
         }
@@ -195,7 +202,9 @@ impl<'p, P: Problem> Descent<'p, P> {
         delta: &DVector<f64>,
     ) -> Option<Termination> {
         let decrease = self.cost - cost;
-        let is_last = decrease <= self.options.relative_decrease * cost.abs();
+        let tolerance = self.options.relative_decrease * cost.abs();
+        let is_last = decrease <= tolerance
+            || linearized == Linearized::NotYet && self.left_after(decrease) <= tolerance;
         if linearized == Linearized::NotYet && !is_last {
             self.linearize(&candidate);
         }
@@ -203,11 +212,18 @@ impl<'p, P: Problem> Descent<'p, P> {
         let gain = decrease / self.model.predicted_decrease(delta).max(f64::MIN_POSITIVE);
         self.lambda *= (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(0.1, 1.0);
         self.growth = 2.0;
+        self.decrease = decrease;
         self.go_to(candidate, cost);
         if linearized == Linearized::Already || !is_last {
             std::mem::swap(&mut self.model, &mut self.candidate_model);
         }
         is_last.then_some(Termination::Converged)
+    }
+
+    /// By how much the cost is likely still to fall after a decrease; infinite if it falls no slower than before.
+    fn left_after(&self, decrease: f64) -> f64 {
+        let rate = decrease / self.decrease;
+        if rate < 1.0 { decrease * rate / (1.0 - rate) } else { f64::INFINITY }
     }
 
     /// Tries a shorter step where the cost behind δ is not lower.
