@@ -7,7 +7,7 @@ use crate::likelihood::LikelihoodOptions;
 pub enum Detail {
     /// A thinned part, and forgiving: to sort starts.
     Coarse,
-    /// A thinned part: to compare hypotheses, and to approach an optimum.
+    /// A thinned part: to approach an optimum.
     Thinned,
     /// All: to measure.
     Fine,

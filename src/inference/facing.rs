@@ -50,7 +50,7 @@ pub(super) fn turned_hypothesis(
     let keyframe = won.hypothesis.keyframe;
     let motion = &won.frames[keyframe].as_ref()?.motion;
     let start = State { motion: turned(model, motion), shape: won.hypothesis.shape.clone() };
-    let terms = evidence.terms(&sequence.frames[keyframe], Detail::Thinned);
+    let terms = evidence.terms(&sequence.frames[keyframe], Detail::Fine);
     let reading = refined(evidence, &terms, start);
     let found = Hypothesis {
         origin: Origin::Turned,

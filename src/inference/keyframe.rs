@@ -61,7 +61,7 @@ pub(super) fn keyframe_fit(
     shape: &Shape,
     motion: Motion,
 ) -> FrameFit {
-    let terms = evidence.terms(&sequence.frames[keyframe], Detail::Thinned);
+    let terms = evidence.terms(&sequence.frames[keyframe], Detail::Fine);
     let pose_prior = &evidence.pose_prior;
     let posterior =
         FramePosterior { model: evidence.model, shape, pose_prior, step: None, terms: &terms };

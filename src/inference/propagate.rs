@@ -133,7 +133,7 @@ impl Track {
             MotionModel::ConstantVelocity => &predicted,
         };
 
-        let terms = evidence.terms(frame, Detail::Thinned);
+        let terms = evidence.terms(frame, Detail::Fine);
         let posterior = FramePosterior {
             model: evidence.model,
             shape,

@@ -168,7 +168,7 @@ mod tests {
         let Tracking { evidence, sequence, shape, .. } = *tracking;
         let Evidence { model, pose_prior, .. } = evidence;
         let fit = |(i, motion): (usize, Option<Motion>)| {
-            let terms = evidence.terms(&sequence.frames[i], Detail::Thinned);
+            let terms = evidence.terms(&sequence.frames[i], Detail::Fine);
             let posterior = FramePosterior { model, shape, pose_prior, step: None, terms: &terms };
             Some(solve(&posterior, motion?, 0))
         };
