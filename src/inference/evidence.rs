@@ -131,8 +131,9 @@ impl<'a> Evidence<'a> {
         frame: &'f FrameObservations,
         detail: Detail,
     ) -> Terms<'f> {
-        let Some(scale) = self.skin_scale.as_ref().filter(|_| !frame.points.is_empty()) else {
-            return Vec::new();
+        let scale = match &self.skin_scale {
+            Some(scale) if !frame.points.is_empty() => scale,
+            _ => return Vec::new(),
         };
         let step = detail.point_step(frame.points.len());
         let points = frame.points.iter().step_by(step);

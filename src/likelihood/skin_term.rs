@@ -48,7 +48,7 @@ pub struct SkinTouch {
 }
 
 impl SkinTouch {
-    /// What is left of a touch when the field is sampled elsewhere.
+    /// Of a touch and the field there.
     pub(super) fn new(touch: &Touch<'_>, sample: &FieldSample) -> Self {
         Self {
             source: touch.source,
@@ -325,6 +325,9 @@ pub(super) fn all_touches(term: &impl SkinTerm, body: &Posed<'_>) -> Vec<SkinTou
 /// The same, placed on the parts of the body.
 pub(super) fn placed(term: &impl SkinTerm, body: &Posed<'_>) -> Vec<PlacedResidual> {
     let field = Field::from_body(body);
-    let touches = all_touches(term, body).into_iter();
-    touches.filter_map(|touch| touch.placed(body, &field, term.loss())).collect()
+    let mut all = Vec::new();
+    term.touches(body, &field, &term.scale(body, &field), |touch, sample| {
+        all.extend(SkinTouch::new(touch, sample).placed(body, &field, term.loss()));
+    });
+    all
 }

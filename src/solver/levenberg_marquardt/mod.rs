@@ -70,7 +70,8 @@ const LIKELY_LAST: f64 = 10.0;
 ///
 /// A candidate is linearised at once, as most are accepted, and a separate evaluation of the cost would be work done twice. One that is
 /// likely the last is not: its cost is evaluated alone, and it is linearised only where it lowers the cost by more than the tolerance, and
-/// more than that is left. Gauss–Newton converges linearly: if the last two steps lowered the cost by d′ and d, what is left is about
+/// more than that is left. Gauss–Newton converges linearly: if the step before lowered the cost by d′ and a whole one by d, what is left is
+/// about
 ///
 /// d ρ/(1 − ρ),  ρ = d/d′.
 ///
@@ -114,17 +115,19 @@ struct Descent<'p, P: Problem> {
     candidate_model: P::Model,
     lambda: f64,
     growth: f64,
-    /// By how much the last step lowered the cost; 0 before any.
-    decrease: f64,
     iterations: usize,
     costs: Vec<f64>,
 }
 
-/// Whether [`Descent::candidate_model`] is that of a candidate.
+/// How a candidate was tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Linearized {
-    Already,
-    NotYet,
+enum Tried {
+    /// [`Descent::candidate_model`] is its own.
+    Linearized,
+    /// Its cost alone, as the step is likely the last.
+    LikelyLast,
+    /// Its cost alone, behind a shortened step: what that lowers the cost by says nothing of how fast it falls.
+    Shortened,
 }
 
 impl<'p, P: Problem> Descent<'p, P> {
@@ -141,7 +144,6 @@ impl<'p, P: Problem> Descent<'p, P> {
             candidate_model,
             lambda: options.damping,
             growth: 2.0,
-            decrease: 0.0,
             iterations: 0,
             costs: vec![cost],
         }
@@ -173,12 +175,12 @@ impl<'p, P: Problem> Descent<'p, P> {
         // try the step
         self.iterations += 1;
         let candidate = self.problem.retract(&self.state, &delta);
-        let (cost, linearized) = match promised <= LIKELY_LAST * self.tolerance() {
-            true => (self.problem.cost(&candidate), Linearized::NotYet),
-            false => (self.linearize(&candidate), Linearized::Already),
+        let (cost, tried) = match promised <= LIKELY_LAST * self.tolerance() {
+            true => (self.problem.cost(&candidate), Tried::LikelyLast),
+            false => (self.linearize(&candidate), Tried::Linearized),
         };
         match cost < self.cost {
-            true => self.take(candidate, cost, linearized, &delta),
+            true => self.take(candidate, cost, tried, &delta),
             false => self.shorten(delta, cost),
         }
     }
@@ -199,23 +201,22 @@ impl<'p, P: Problem> Descent<'p, P> {
         &mut self,
         candidate: P::State,
         cost: f64,
-        linearized: Linearized,
+        tried: Tried,
         delta: &DVector<f64>,
     ) -> Option<Termination> {
         let decrease = self.cost - cost;
         let tolerance = self.options.relative_decrease * cost.abs();
         let is_last = decrease <= tolerance
-            || linearized == Linearized::NotYet && self.left_after(decrease) <= tolerance;
-        if linearized == Linearized::NotYet && !is_last {
+            || tried == Tried::LikelyLast && self.left_after(decrease) <= tolerance;
+        if tried != Tried::Linearized && !is_last {
             self.linearize(&candidate);
         }
 
         let gain = decrease / self.model.predicted_decrease(delta).max(f64::MIN_POSITIVE);
         self.lambda *= (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(0.1, 1.0);
         self.growth = 2.0;
-        self.decrease = decrease;
         self.go_to(candidate, cost);
-        if linearized == Linearized::Already || !is_last {
+        if tried == Tried::Linearized || !is_last {
             std::mem::swap(&mut self.model, &mut self.candidate_model);
         }
         is_last.then_some(Termination::Converged)
@@ -223,7 +224,8 @@ impl<'p, P: Problem> Descent<'p, P> {
 
     /// By how much the cost is likely still to fall after a decrease; infinite if it falls no slower than before.
     fn left_after(&self, decrease: f64) -> f64 {
-        let rate = decrease / self.decrease;
+        let [.., before, now] = self.costs[..] else { return f64::INFINITY };
+        let rate = decrease / (before - now);
         if rate < 1.0 { decrease * rate / (1.0 - rate) } else { f64::INFINITY }
     }
 
@@ -244,7 +246,7 @@ impl<'p, P: Problem> Descent<'p, P> {
             let cost = self.problem.cost(&shorter);
             if cost < self.cost {
                 self.iterations += 1;
-                return self.take(shorter, cost, Linearized::NotYet, &delta);
+                return self.take(shorter, cost, Tried::Shortened, &delta);
             }
         }
         self.lambda = (self.lambda * self.growth).max(FELT);

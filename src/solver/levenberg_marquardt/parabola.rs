@@ -2,6 +2,7 @@
 
 /// A step is not shortened to less than this part of it at once.
 const SHORTEST: f64 = 0.1;
+
 /// E along a step behind which the cost is higher.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Parabola {

@@ -76,10 +76,19 @@ fn a_dropped_step_that_promised_less_than_the_tolerance_ends_it() {
     assert_eq!((solution.state, solution.report.iterations), (0.0, 0));
 }
 
-/// ½x² and its least value, which jumps up below 1.
+/// ½x² and its least value, which jumps up below an edge.
 struct Ledge {
     least: f64,
     jump: f64,
+    edge: f64,
+    /// H as it is stated; 1 is right.
+    curvature: f64,
+}
+
+impl Ledge {
+    fn new(least: f64, jump: f64) -> Self {
+        Self { least, jump, edge: 1.0, curvature: 1.0 }
+    }
 }
 
 impl Problem for Ledge {
@@ -89,11 +98,11 @@ impl Problem for Ledge {
         NormalEquations::zeros(1)
     }
     fn cost(&self, x: &f64) -> f64 {
-        self.least + 0.5 * x * x + if *x < 1.0 { self.jump } else { 0.0 }
+        self.least + 0.5 * x * x + if *x < self.edge { self.jump } else { 0.0 }
     }
     fn linearize(&self, x: &f64, equations: &mut NormalEquations) -> f64 {
         equations.gradient[0] += x;
-        equations.hessian[(0, 0)] += 1.0;
+        equations.hessian[(0, 0)] += self.curvature;
         self.cost(x)
     }
     fn retract(&self, x: &f64, delta: &DVector<f64>) -> f64 {
@@ -104,7 +113,7 @@ impl Problem for Ledge {
 #[test]
 fn the_last_step_is_taken_and_not_linearised() {
     let options = Options { damping: 0.1, relative_decrease: 1e-2, ..Options::default() };
-    let solution = levenberg_marquardt(&Ledge { least: 10.0, jump: 0.0 }, 3.0, &options);
+    let solution = levenberg_marquardt(&Ledge::new(10.0, 0.0), 3.0, &options);
     let Report { termination, iterations, costs } = &solution.report;
     assert_eq!((*termination, *iterations), (Termination::Converged, 1));
     // from 3 to 0.27, and on; g is that of 0.27
@@ -117,10 +126,31 @@ fn the_last_step_is_taken_and_not_linearised() {
 #[test]
 fn a_step_behind_a_jump_is_shortened_and_needs_no_other_damping() {
     let options = Options { max_iterations: 2, ..Options::default() };
-    let solution = levenberg_marquardt(&Ledge { least: 0.0, jump: 10.0 }, 3.0, &options);
+    let solution = levenberg_marquardt(&Ledge::new(0.0, 10.0), 3.0, &options);
     // from 3 towards 0, where the cost is 10: t = 9 / 2(10 − 4.5 + 9)
     approx::assert_relative_eq!(solution.state, 3.0 * (1.0 - 9.0 / 29.0), max_relative = 1e-2);
     assert_eq!((solution.report.iterations, solution.report.costs.len()), (2, 2));
+}
+
+#[test]
+fn it_ends_where_less_than_the_tolerance_is_left_after_two_steps() {
+    // steps that go half of the way, so that d ρ/(1 − ρ) is what is left
+    let halving = Ledge { curvature: 2.0, ..Ledge::new(10.0, 0.0) };
+    let options = Options { damping: 1e-9, relative_decrease: 2e-2, ..Options::default() };
+    let solution = levenberg_marquardt(&halving, 4.0, &options);
+    assert_eq!(solution.report.termination, Termination::Converged);
+    // 4, 2, 1, ½; ⅛ is left at ½, whose g is not needed
+    approx::assert_relative_eq!(solution.state, 0.5, max_relative = 1e-6);
+    approx::assert_relative_eq!(solution.model.gradient[0], 1.0, max_relative = 1e-6);
+}
+
+#[test]
+fn what_a_shortened_step_keeps_does_not_tell_what_is_left() {
+    let ledge = Ledge { curvature: 2.0, edge: 1.5, ..Ledge::new(10.0, 5.0) };
+    let options = Options { damping: 1e-9, relative_decrease: 1e-2, ..Options::default() };
+    let solution = levenberg_marquardt(&ledge, 4.0, &options);
+    // from 2, after a decrease by 6, the first shortened step ends at 1.82 and lowers the cost by a third
+    assert!((1.5..1.6).contains(&solution.state), "{}", solution.state);
 }
 
 #[test]
