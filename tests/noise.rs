@@ -97,7 +97,8 @@ fn the_scale_is_found_whatever_it_is() {
         let noise = estimated(Truth { scale, ..INDEPENDENT }, 2);
         approx::assert_relative_eq!(noise.scale, scale, max_relative = 0.01);
         let weight = 1.0 / (noise.scale.powi(2) * noise.along_border * noise.together);
-        approx::assert_relative_eq!(noise.weight(), weight);
+        let all = Noise { outlines: Some(noise), ..Noise::default() };
+        approx::assert_relative_eq!(all.weights().outlines, weight, max_relative = 1e-12);
     }
 }
 
@@ -246,10 +247,15 @@ fn detections_that_err_alike_in_every_frame_count_as_few_and_change_nothing_of_t
     // of 80 clusters: a standard error of √(2/80)
     approx::assert_relative_eq!(found.together, 0.5 * (1.0 + FRAMES as f64), max_relative = 0.5);
     assert_eq!(Noise { keypoints: None, ..noise }, Noise::from_residuals(&outlines));
-    let weights = noise.weights();
+
+    // beside outlines a frame's detections count as in that frame, and as long as outlines stay
     let of_outlines = noise.outlines.expect("there are outlines");
-    approx::assert_relative_eq!(weights.outlines, of_outlines.weight());
-    approx::assert_relative_eq!(weights.keypoints, 1.0 / (found.scale.powi(2) * found.together));
+    let passes = of_outlines.in_one_frame / of_outlines.together;
+    let expected = passes / found.scale.powi(2);
+    approx::assert_relative_eq!(noise.weights().keypoints, expected, max_relative = 1e-12);
+    let alone = Noise { outlines: None, ..noise }.weights().keypoints;
+    let expected = 1.0 / (found.scale.powi(2) * found.together);
+    approx::assert_relative_eq!(alone, expected, max_relative = 1e-12);
 }
 
 /// A cloud three times worse than stated, and outlines as they are stated.
@@ -264,7 +270,10 @@ fn points_that_err_more_change_nothing_of_the_outlines() {
     let noise = Noise::from_residuals(&frames);
     let points = noise.points.expect("there are points");
     approx::assert_relative_eq!(points.scale, 3.0, max_relative = 0.01);
-    approx::assert_relative_eq!(noise.weights().points, points.weight());
+    let of_outlines = noise.outlines.expect("there are outlines");
+    let passes = of_outlines.in_one_frame / of_outlines.together;
+    let expected = passes * points.weight_in_frame();
+    approx::assert_relative_eq!(noise.weights().points, expected, max_relative = 1e-12);
     assert_eq!(Noise { points: None, ..noise }, Noise::from_residuals(&outlines));
 }
 

@@ -292,11 +292,10 @@ impl Search<'_, '_> {
     /// How sure an optimum is.
     fn uncertainty(&self, round: &Round<'_>) -> Option<Uncertainty> {
         let Round { looks, noise, independent, shape_prior, contrasts, solution } = round;
-        let Solution { state, model: chain, .. } = solution;
-        let looks = self.within(looks, state);
+        let looks = self.within(looks, &solution.state);
         let posterior = self.posterior(&looks, shape_prior, contrasts);
-        let error = RepeatedError::new(&posterior, state, chain, noise, *independent)?;
-        Uncertainty::new(self.evidence.model, state, self.camera_prior, &error)
+        let error = RepeatedError::new(&posterior, solution, noise, *independent)?;
+        Uncertainty::new(self.evidence.model, &solution.state, self.camera_prior, &error)
     }
 
     /// The motion of each frame and what it costs, data once.

@@ -16,7 +16,7 @@
 //!
 //!    Of one frame's looks alone it is τ₁.
 //!
-//! The data's cost is divided by κ²λτ, for all unknowns alike. What that says of the error of a motion, which is another in every
+//! The data's cost is divided by κ²λτ, for all unknowns alike: by κ²λτ₁ as in one frame, and as τ/τ₁ frames are worth one. What that says of the error of a motion, which is another in every
 //! frame, is in `repeated_error.rs`. What cameras side by side see differently counts more
 //! ([`contrasts`](super::contrasts)). What is the same over a decimetre in every frame is not noise
 //! but an unknown of its own: the surface's offsets ([`SurfaceOffsets`](crate::body::SurfaceOffsets)).
@@ -26,7 +26,12 @@
 //!
 //! Detections of joints have a κ and a τ. What a detector means by a joint is an unknown
 //! ([`keypoints`](crate::likelihood::Keypoints)); what it errs besides lasts from frame to frame, so the looks of
-//! one camera at one keypoint, along one axis of the picture, are a cluster. Their cost is divided by κ²τ.
+//! one camera at one keypoint, along one axis of the picture, are a cluster, and τ₁ = 1.
+//!
+//! *Kinds beside each other.* A motion is one frame's. What it follows there, an outline or a detection, is told by how they err in a frame, κ²λτ₁
+//! of each, and not by how long that stays: an outline that lies a centimetre off in every frame shows every movement. So τ/τ₁ is that of the data
+//! that chose between hypotheses, for all kinds alike, as it is for what is known of motions. Divided by a τ of their own, detections, whose constant part is
+//! an unknown, would count several times as much in each frame as they are worth beside outlines, whose constant part is not.
 //!
 //! # Source
 //! Huber 1981, *Robust Statistics*; Liang & Zeger 1986, *Longitudinal data analysis using generalized linear models*.
@@ -114,19 +119,27 @@ impl Noise {
         }
     }
 
-    /// The factors of all kinds of data; 1 of a kind of which there is none.
+    /// The factors of all kinds of data: those within one frame, times τ₁/τ.
     pub fn weights(&self) -> DataWeights {
-        self.of_each(SurfaceNoise::weight, KeypointNoise::weight)
+        let DataWeights { outlines, points, keypoints } = self.weights_in_frame();
+        let passes = 1.0 - self.staying_share();
+        DataWeights {
+            outlines: outlines * passes,
+            points: points * passes,
+            keypoints: keypoints * passes,
+        }
     }
 
-    /// The same within one frame.
+    /// The factors of all kinds of data within one frame; 1 of a kind of which there is none.
     pub fn weights_in_frame(&self) -> DataWeights {
         self.of_each(SurfaceNoise::weight_in_frame, KeypointNoise::weight_in_frame)
     }
 
     /// 1 − τ₁/τ: the share of the variance that stays from frame to frame, of the data that chose between hypotheses.
     pub fn staying_share(&self) -> f64 {
-        1.0 - self.data_weight() / self.weights_in_frame().of(self.chooses())
+        let together = self.of_each(|noise| noise.together, |noise| noise.together);
+        let in_one_frame = self.of_each(|noise| noise.in_one_frame, |_| 1.0);
+        1.0 - in_one_frame.of(self.chooses()) / together.of(self.chooses())
     }
 
     /// ν: how many independent observations residuals are worth.
@@ -136,12 +149,6 @@ impl Noise {
             |noise| 1.0 / noise.together,
         );
         frames.iter().flatten().map(|r| r.weight * worth.of(Kind::of(r.source))).sum()
-    }
-
-    /// How many kinds of data there are.
-    pub fn kinds(&self) -> usize {
-        let surfaces = [self.outlines, self.points].iter().flatten().count();
-        surfaces + usize::from(self.keypoints.is_some())
     }
 
     /// The factor of the data that chose between hypotheses.
@@ -191,12 +198,7 @@ impl SurfaceNoise {
         Some(Self { scale, along_border, together, in_one_frame })
     }
 
-    /// The factor of their cost: 1/(κ²λτ).
-    pub fn weight(&self) -> f64 {
-        1.0 / (self.scale.powi(2) * self.along_border * self.together)
-    }
-
-    /// The same within one frame: 1/(κ²λτ₁).
+    /// The factor of their cost within one frame: 1/(κ²λτ₁).
     pub fn weight_in_frame(&self) -> f64 {
         1.0 / (self.scale.powi(2) * self.along_border * self.in_one_frame)
     }
@@ -213,12 +215,7 @@ impl KeypointNoise {
         is_seen.then(|| Self { scale: scale(frames), together: worth_one(clusters.values()) })
     }
 
-    /// The factor of their cost: 1/(κ²τ).
-    pub fn weight(&self) -> f64 {
-        1.0 / (self.scale.powi(2) * self.together)
-    }
-
-    /// The same within one frame, where each is a cluster: 1/κ².
+    /// The factor of their cost within one frame, where each is a cluster: 1/κ².
     pub fn weight_in_frame(&self) -> f64 {
         self.scale.powi(-2)
     }

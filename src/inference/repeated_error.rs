@@ -33,7 +33,7 @@ use super::noise::Noise;
 use super::sequence_posterior::SequencePosterior;
 use super::sequence_state::SequenceState;
 use crate::body::Layout;
-use crate::solver::{BorderedChain, Problem, QuadraticModel};
+use crate::solver::{BorderedChain, Problem, QuadraticModel, Solution};
 
 /// The covariances of an optimum's error.
 pub(super) struct RepeatedError {
@@ -47,24 +47,25 @@ pub(super) struct RepeatedError {
 const MOST_FOLLOWED: f64 = 0.9;
 
 impl RepeatedError {
-    /// Of an optimum that was found with this noise before ν `observations`, of which `chain` is H, by the posterior of data and motions
+    /// Of an optimum that was found with this noise before ν `observations`, by the posterior of data and motions
     /// that count once; `None` where a matrix is singular.
     pub(super) fn new(
         posterior: &SequencePosterior<'_>,
-        optimum: &SequenceState,
-        chain: &BorderedChain,
+        solution: &Solution<SequenceState, BorderedChain>,
         noise: &Noise,
         observations: f64,
     ) -> Option<Self> {
+        let Solution { model: chain, linearized_at: state, .. } = solution;
+
         // the priors of H, and the data without them
         let mut priors = posterior.empty_model();
         let beside = posterior.motion_prior.beside(noise.staying_share(), posterior.seconds);
         let sought = SequencePosterior { motion_prior: &beside, ..*posterior };
-        sought.linearize_priors(optimum, &mut priors);
+        sought.linearize_priors(state, &mut priors);
         let mut shared_prior = priors.corner.clone();
         shared_prior.fill_upper_triangle_with_lower_triangle();
         let m = Layout::new(posterior.model).motion();
-        let pose_prior = posterior.motion_prior.precision(optimum.motions.first()?);
+        let pose_prior = posterior.motion_prior.precision(state.motions.first()?);
         let mut data = DMatrix::zeros(m, m);
         for (link, prior) in chain.links.iter().zip(&priors.links) {
             data += &link.diagonal - &prior.diagonal;
@@ -80,23 +81,25 @@ impl RepeatedError {
         let precision = of_data + shared_prior;
         let stays = &still * data * &still * (leverage * noise.staying_share());
 
-        let passes = passing(posterior, optimum, chain, priors, noise);
+        let passes = passing(posterior, state, chain, priors, noise);
         Some(Self { passes: passes.with_shared_precision(&precision)?, stays })
     }
 }
 
-/// H of what passes. Data of one kind without contrasts are as in `chain`, without its `priors`, and count τ/τ₁ times as often.
+/// H of what passes, where `chain` is H. Data without contrasts are as there, without its `priors`, and count τ/τ₁ times as often. The
+/// priors are those of the same state: before detections alone the body and what they mean may turn together, and what differences of
+/// another state's turns leave there is no precision.
 fn passing(
     posterior: &SequencePosterior<'_>,
-    optimum: &SequenceState,
+    state: &SequenceState,
     chain: &BorderedChain,
     mut priors: BorderedChain,
     noise: &Noise,
 ) -> BorderedChain {
-    if noise.kinds() > 1 || !posterior.contrasts.are_none() {
+    if !posterior.contrasts.are_none() {
         let in_frames = SequencePosterior { weights: noise.weights_in_frame(), ..*posterior };
         priors.clear();
-        in_frames.linearize(optimum, &mut priors);
+        in_frames.linearize(state, &mut priors);
         return priors;
     }
     let times = 1.0 / (1.0 - noise.staying_share());
@@ -104,7 +107,7 @@ fn passing(
     passes.scale(times);
     passes.add_scaled(&priors, -times);
     priors.clear();
-    posterior.linearize_priors(optimum, &mut priors);
+    posterior.linearize_priors(state, &mut priors);
     passes.add_scaled(&priors, 1.0);
     passes
 }

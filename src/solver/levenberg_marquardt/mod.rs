@@ -53,8 +53,10 @@ pub struct Solution<S, M> {
     pub state: S,
     /// E(x).
     pub cost: f64,
-    /// g and H at x, or before the last step; H is the precision of the Laplace approximation.
+    /// g and H; H is the precision of the Laplace approximation.
     pub model: M,
+    /// Where they are: x, or before the last step.
+    pub linearized_at: S,
     /// How it went.
     pub report: Report,
 }
@@ -100,8 +102,9 @@ pub fn levenberg_marquardt<P: Problem>(
         }
     };
 
-    let Descent { state, cost, model, iterations, costs, .. } = descent;
-    Solution { state, cost, model, report: Report { termination, iterations, costs } }
+    let Descent { state, cost, model, linearized_at, iterations, costs, .. } = descent;
+    let report = Report { termination, iterations, costs };
+    Solution { state, cost, model, linearized_at, report }
 }
 
 /// Where a minimisation has come to.
@@ -111,6 +114,7 @@ struct Descent<'p, P: Problem> {
     state: P::State,
     cost: f64,
     model: P::Model,
+    linearized_at: P::State,
     /// The model at a candidate.
     candidate_model: P::Model,
     lambda: f64,
@@ -138,6 +142,7 @@ impl<'p, P: Problem> Descent<'p, P> {
         Self {
             problem,
             options,
+            linearized_at: state.clone(),
             state,
             cost,
             model,
@@ -218,6 +223,7 @@ impl<'p, P: Problem> Descent<'p, P> {
         self.go_to(candidate, cost);
         if tried == Tried::Linearized || !is_last {
             std::mem::swap(&mut self.model, &mut self.candidate_model);
+            self.linearized_at = self.state.clone();
         }
         is_last.then_some(Termination::Converged)
     }
