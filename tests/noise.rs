@@ -238,7 +238,8 @@ fn detections_that_err_alike_in_every_frame_count_as_few_and_change_nothing_of_t
             let value = 3.0 * (constant + normal(&mut rng)) / 2.0_f64.sqrt();
             let outward_px = Vector2::ith(k % 2, 1.0);
             let own = row(0, ROWS_A_PLACE * (k / 2), value);
-            frame.push(PlacedResidual { source: Source::Keypoints(0), outward_px, ..own });
+            let source = Source::Keypoint { camera: 0, keypoint: k / 2 };
+            frame.push(PlacedResidual { source, outward_px, ..own });
         }
     }
     let noise = Noise::from_residuals(&frames);
@@ -246,16 +247,44 @@ fn detections_that_err_alike_in_every_frame_count_as_few_and_change_nothing_of_t
     approx::assert_relative_eq!(found.scale, 3.0, max_relative = 0.15);
     // of 80 clusters: a standard error of √(2/80)
     approx::assert_relative_eq!(found.together, 0.5 * (1.0 + FRAMES as f64), max_relative = 0.5);
+    approx::assert_relative_eq!(found.in_a_row, 1.0, epsilon = 0.1);
     assert_eq!(Noise { keypoints: None, ..noise }, Noise::from_residuals(&outlines));
 
     // beside outlines a frame's detections count as in that frame, and as long as outlines stay
     let of_outlines = noise.outlines.expect("there are outlines");
     let passes = of_outlines.in_one_frame / of_outlines.together;
-    let expected = passes / found.scale.powi(2);
+    let expected = passes / (found.scale.powi(2) * found.in_a_row);
     approx::assert_relative_eq!(noise.weights().keypoints, expected, max_relative = 1e-12);
     let alone = Noise { outlines: None, ..noise }.weights().keypoints;
     let expected = 1.0 / (found.scale.powi(2) * found.together);
     approx::assert_relative_eq!(alone, expected, max_relative = 1e-12);
+}
+
+/// Errors of autocorrelation ρᵏ over k frames about a constant: (1 + ρ)/(1 − ρ) in a row are worth one, less what lies below .05; half of
+/// the frames have two keypoints at one place of the body.
+#[test]
+fn how_long_errors_of_detections_last_is_told_from_what_stays() {
+    const KEYPOINTS: usize = 40;
+    const LONG: usize = 400;
+    for rho in [0.0, 0.5, 0.8_f64] {
+        let mut rng = ChaCha8Rng::seed_from_u64(15);
+        let constant: Vec<f64> = (0..KEYPOINTS).map(|_| 2.0 * normal(&mut rng)).collect();
+        let mut last: Vec<f64> = (0..KEYPOINTS).map(|_| normal(&mut rng)).collect();
+        let mut frame = |_| {
+            let of_keypoint = |(keypoint, last): (usize, &mut f64)| {
+                *last = rho * *last + (1.0 - rho * rho).sqrt() * normal(&mut rng);
+                let own = row(0, ROWS_A_PLACE * (keypoint / 2), constant[keypoint] + *last);
+                let source = Source::Keypoint { camera: 0, keypoint };
+                PlacedResidual { source, ..own }
+            };
+            last.iter_mut().enumerate().map(of_keypoint).collect()
+        };
+        let frames: Vec<Vec<PlacedResidual>> = (0..LONG).map(&mut frame).collect();
+        let found = Noise::from_residuals(&frames).keypoints.expect("there are detections");
+        let expected = (1.0 + rho) / (1.0 - rho);
+        approx::assert_relative_eq!(found.in_a_row, expected, max_relative = 0.15);
+        assert!(found.together > 10.0 * found.in_a_row, "{found:?}");
+    }
 }
 
 /// A cloud three times worse than stated, and outlines as they are stated.

@@ -38,7 +38,7 @@ impl Kind {
         match source {
             Source::View(_) => Self::Outlines,
             Source::Cloud => Self::Points,
-            Source::Keypoints(_) => Self::Keypoints,
+            Source::Keypoint { .. } => Self::Keypoints,
         }
     }
 }
@@ -97,7 +97,9 @@ impl Look<'_> {
     fn named(&self, residual: PlacedResidual) -> PlacedResidual {
         let source = match (self.camera, residual.source) {
             (Some(camera), Source::View(_)) => Source::View(camera),
-            (Some(camera), Source::Keypoints(_)) => Source::Keypoints(camera),
+            (Some(camera), Source::Keypoint { keypoint, .. }) => {
+                Source::Keypoint { camera, keypoint }
+            }
             (_, own) => own,
         };
         PlacedResidual { source, ..residual }

@@ -79,6 +79,12 @@ impl Target {
         keypoint.or_else(|| model.point(name).map(Self::Point))
     }
 
+    fn index(self) -> usize {
+        match self {
+            Self::Keypoint(index) | Self::Point(index) => index,
+        }
+    }
+
     fn point(self, model: &BodyModel) -> &NamedPoint {
         match self {
             Self::Keypoint(index) => &model.keypoints[index],
@@ -275,13 +281,13 @@ impl Term for Keypoints {
 
     /// Two residuals of each keypoint, as it is labelled: along the picture's rows and columns.
     fn placed_residuals(&self, body: &Posed<'_>) -> Vec<PlacedResidual> {
-        let of_view = |(source, view): (usize, &KeypointView)| {
+        let of_view = |(camera, view): (usize, &KeypointView)| {
             let residuals = view.groups.iter().flatten().filter_map(move |seen| {
                 let r = seen.residual(body, &view.camera, Labels::AsGiven)?;
                 let trust = self.options.loss.evaluate(r.norm()).1;
                 let (part, place_part) = part_of(body, seen.target);
                 Some([0, 1].map(|axis| PlacedResidual {
-                    source: Source::Keypoints(source),
+                    source: Source::Keypoint { camera, keypoint: seen.target.index() },
                     value: r[axis],
                     trust,
                     sigma: seen.sigma_px,

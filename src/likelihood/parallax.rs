@@ -226,7 +226,7 @@ impl Parallax {
     fn line(&self, source: Source, index: usize) -> Option<Line> {
         match source {
             Source::View(view) => Some(self.lines[view][index]),
-            Source::Cloud | Source::Keypoints(_) => None,
+            Source::Cloud | Source::Keypoint { .. } => None,
         }
     }
 

@@ -11,8 +11,13 @@ pub enum Source {
     View(usize),
     /// A cloud of points.
     Cloud,
-    /// The keypoints of one camera: its position among those of the frame.
-    Keypoints(usize),
+    /// A keypoint.
+    Keypoint {
+        /// The position of its camera among those of the frame.
+        camera: usize,
+        /// Which of the body's it is.
+        keypoint: usize,
+    },
 }
 
 /// One residual, and where on the body it was measured.
