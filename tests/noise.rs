@@ -260,8 +260,8 @@ fn detections_that_err_alike_in_every_frame_count_as_few_and_change_nothing_of_t
     approx::assert_relative_eq!(alone, expected, max_relative = 1e-12);
 }
 
-/// Errors of autocorrelation ρᵏ over k frames about a constant: (1 + ρ)/(1 − ρ) in a row are worth one, less what lies below .05; half of
-/// the frames have two keypoints at one place of the body.
+/// Errors of autocorrelation ρᵏ over k frames about a constant: (1 + ρ)/(1 − ρ) in a row are worth one, less what lies below .05 and what
+/// the mean takes away, a sixth where errors last nine of 400 frames. Two keypoints lie at one place of the body.
 #[test]
 fn how_long_errors_of_detections_last_is_told_from_what_stays() {
     const KEYPOINTS: usize = 40;
@@ -282,7 +282,7 @@ fn how_long_errors_of_detections_last_is_told_from_what_stays() {
         let frames: Vec<Vec<PlacedResidual>> = (0..LONG).map(&mut frame).collect();
         let found = Noise::from_residuals(&frames).keypoints.expect("there are detections");
         let expected = (1.0 + rho) / (1.0 - rho);
-        approx::assert_relative_eq!(found.in_a_row, expected, max_relative = 0.15);
+        assert!((0.8 * expected..1.05 * expected).contains(&found.in_a_row), "{found:?}");
         assert!(found.together > 10.0 * found.in_a_row, "{found:?}");
     }
 }

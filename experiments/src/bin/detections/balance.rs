@@ -1,5 +1,5 @@
-//! Fits to detections of joints alone, of a real recording of a man in a room with others (`balance`): how much of the masks, which the fit
-//! never sees, its body covers, and how well it predicts what a camera sees that is left out.
+//! A real recording of a man in a room with others (`balance`): how much of the masks the body covers, and how well it predicts what a
+//! camera sees that is left out. Fitted to detections alone it never sees the masks.
 //!
 //! The distances are medians over joints and frames, with each joint's median offset taken away: what a detector means by a joint, and where a
 //! camera looks that was touched, is the same in all frames.
@@ -7,9 +7,8 @@
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;
-use std::process::ExitCode;
 
-use experiments::run::{Run, shared_data};
+use experiments::run::Run;
 use experiments::table::Table;
 use maquette::body::Posed;
 use maquette::body::metaball::Field;
@@ -24,47 +23,79 @@ use rayon::prelude::*;
 
 const FPS: f64 = 60.0;
 
-fn main() -> Result<ExitCode, Box<dyn Error>> {
-    let mut run = Run::start("detections");
-    let folder = shared_data().join("balance");
-    if !folder.is_dir() {
-        run.say(&format!("skipped: no recording in {}", folder.display()));
-        return Ok(ExitCode::SUCCESS);
-    }
-    let whole = Recording::open(&folder)?.with_fps(FPS).observations()?;
-    let names: Vec<String> = whole.rig.names().map(str::to_owned).collect();
-
-    let mut table = Table::new("covered", &["camera", "overlap"]);
-    let fit = fitted(&folder, &names)?;
-    let overlaps: Vec<f64> = overlaps(&fit, &whole)?;
-    for (name, overlap) in names.iter().zip(&overlaps) {
-        table.row([name.clone(), format!("{overlap:.3}")]);
-    }
-    run.table("The body over masks that it was not fitted to", &table)?;
-    run.number("overlap", median(&mut overlaps.clone()).unwrap_or(0.0));
-
-    let mut table = Table::new("left_out", &["camera left out", "joints off, px"]);
-    let mut all = Vec::new();
-    for (id, camera) in whole.rig.iter() {
-        let others: Vec<String> = names.iter().filter(|n| **n != camera.name).cloned().collect();
-        let off = prediction_off_px(&fitted(&folder, &others)?, &whole, id)?;
-        table.row([camera.name.clone(), format!("{off:.1}")]);
-        all.push(off);
-    }
-    run.table("Detections of a camera that was left out", &table)?;
-    run.number("left_out_px", median(&mut all).unwrap_or(f64::INFINITY));
-    Ok(run.finish()?)
+/// What is fitted to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Shown {
+    Detections,
+    Both,
 }
 
-/// A fit to the detections of some cameras alone.
-fn fitted(folder: &Path, cameras: &[String]) -> Result<FittedRecording, Box<dyn Error>> {
+impl Shown {
+    /// What the names of its numbers begin with.
+    fn prefix(self) -> &'static str {
+        match self {
+            Self::Detections => "",
+            Self::Both => "both_",
+        }
+    }
+
+    fn table(self) -> &'static str {
+        match self {
+            Self::Detections => "balance",
+            Self::Both => "balance_both",
+        }
+    }
+
+    fn words(self) -> &'static str {
+        match self {
+            Self::Detections => "detections alone",
+            Self::Both => "masks and detections",
+        }
+    }
+}
+
+/// Overlaps and predictions of the recording in this folder; `--quick`: by detections alone.
+pub(crate) fn run(run: &mut Run, folder: &Path) -> Result<(), Box<dyn Error>> {
+    let whole = Recording::open(folder)?.with_fps(FPS).observations()?;
+    let names: Vec<String> = whole.rig.names().map(str::to_owned).collect();
+    let all = [Shown::Detections, Shown::Both];
+    for shown in all.into_iter().take(if run.is_quick() { 1 } else { 2 }) {
+        let mut table =
+            Table::new(shown.table(), &["camera", "overlap", "left out: joints off, px"]);
+        let mut overlaps: Vec<f64> = overlaps(&fitted(folder, &names, shown)?, &whole)?;
+        let mut left_out = Vec::new();
+        for ((id, camera), overlap) in whole.rig.iter().zip(&overlaps) {
+            let others: Vec<String> =
+                names.iter().filter(|n| **n != camera.name).cloned().collect();
+            let off = prediction_off_px(&fitted(folder, &others, shown)?, &whole, id)?;
+            table.row([camera.name.clone(), format!("{overlap:.3}"), format!("{off:.1}")]);
+            left_out.push(off);
+        }
+        run.table(&format!("balance, {}", shown.words()), &table)?;
+        let prefix = shown.prefix();
+        run.number(&format!("{prefix}overlap"), median(&mut overlaps).unwrap_or(0.0));
+        run.number(&format!("{prefix}left_out_px"), median(&mut left_out).unwrap_or(f64::INFINITY));
+    }
+    Ok(())
+}
+
+/// A fit to some cameras.
+fn fitted(
+    folder: &Path,
+    cameras: &[String],
+    shown: Shown,
+) -> Result<FittedRecording, Box<dyn Error>> {
     let folder = folder.canonicalize()?;
     let at = |path: &str| folder.join(path).display().to_string();
     let camera = |name: &String| {
         let number = name.trim_start_matches(|c: char| !c.is_ascii_digit());
         let pose = ["cam", "cam_"].map(|start| at(&format!("pose/{start}{number}_json")));
         let pose = pose.iter().find(|path| Path::new(path).is_dir()).cloned().unwrap_or_default();
-        format!("[[camera]]\nname = {name:?}\ndetections = {pose:?}\n")
+        let masks = match shown {
+            Shown::Detections => String::new(),
+            Shown::Both => format!("masks = {:?}\n", at(&format!("masks/{name}"))),
+        };
+        format!("[[camera]]\nname = {name:?}\ndetections = {pose:?}\n{masks}")
     };
     let cameras: String = cameras.iter().map(camera).collect();
     let text = format!("fps = {FPS}\ncalibration = {:?}\n{cameras}", at("calibration.toml"));
