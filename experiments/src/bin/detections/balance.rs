@@ -73,8 +73,8 @@ pub(crate) fn run(run: &mut Run, folder: &Path) -> Result<(), Box<dyn Error>> {
         }
         run.table(&format!("balance, {}", shown.words()), &table)?;
         let prefix = shown.prefix();
-        run.number(&format!("{prefix}overlap"), median(&mut overlaps).unwrap_or(0.0));
-        run.number(&format!("{prefix}left_out_px"), median(&mut left_out).unwrap_or(f64::INFINITY));
+        run.number(format!("{prefix}overlap"), median(&mut overlaps).unwrap_or(0.0));
+        run.number(format!("{prefix}left_out_px"), median(&mut left_out).unwrap_or(f64::INFINITY));
     }
     Ok(())
 }

@@ -49,7 +49,7 @@ pub(crate) fn gains(run: &mut Run, folder: &Path) -> Result<(), Box<dyn Error>> 
         let both = row("both", FitTo::All)?;
         let detections = row("detections", FitTo::Detections)?;
         ratios.push(both / masks);
-        run.number(&format!("{name}_by_detections_mm"), detections);
+        run.number(format!("{name}_by_detections_mm"), detections);
     }
     run.table("Joint centres by what is fitted to", &table)?;
     let worst = ratios.iter().copied().fold(0.0, f64::max);
