@@ -322,3 +322,69 @@ fn text_of_one(walker: &Synthetic) -> impl Fn(usize, usize) -> String {
         file(&[person(walker, (frame, camera), Vector3::zeros(), &mut rng)])
     }
 }
+
+/// MediaPipe's number of each of COCO's points from the shoulders on.
+const MEDIAPIPE: [usize; 12] = [11, 12, 13, 14, 15, 16, 23, 24, 25, 26, 27, 28];
+
+#[test]
+fn freemocaps_array_of_all_cameras_says_what_the_files_of_all_pictures_say() {
+    let walker = walker();
+    let folder = project(&walker, text_of(&walker));
+    let wanted = Recording::open(folder.path()).expect("a folder").with_fps(FPS).observations();
+    let wanted = wanted.expect("detections");
+
+    // cameras × frames × 33 × 2, as numpy.save writes it
+    let text = format!(
+        "{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, {FRAMES}, 33, 2), }}\n",
+        walker.rig.cameras.len()
+    );
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((text.len() as u16).to_le_bytes());
+    bytes.extend(text.as_bytes());
+    for (id, _) in walker.rig.iter() {
+        for frame in 0..FRAMES {
+            let picture: serde_json::Value =
+                serde_json::from_str(&text_of(&walker)(frame, id.0)).expect("JSON");
+            let values = picture["people"][0]["pose_keypoints_2d"].as_array().expect("points");
+            let mut points = [[f64::NAN; 2]; 33];
+            for (k, to) in MEDIAPIPE.into_iter().enumerate() {
+                let number = |axis: usize| values[3 * (5 + k) + axis].as_f64().expect("a number");
+                points[to] = [number(0), number(1)];
+            }
+            points.as_flattened().iter().for_each(|number| bytes.extend(number.to_le_bytes()));
+        }
+    }
+    let session = tempfile::tempdir().expect("a folder");
+    let raw = session.path().join("output_data/raw_data");
+    fs::create_dir_all(&raw).expect("a folder");
+    let name = "mediapipe_2dData_numCams_numFrames_numTrackedPoints_pixelXY.npy";
+    fs::write(raw.join(name), &bytes).expect("a file");
+    fs::write(session.path().join("calibration.toml"), write_toml(&walker.rig)).expect("a file");
+
+    let found = Recording::open(session.path()).expect("a folder").with_fps(FPS).observations();
+    let found = found.expect("detections");
+    assert_eq!(found.frames, wanted.frames);
+    for frame in 0..FRAMES {
+        let pictures = |files: &maquette::io::recording::ObservationFiles| {
+            let people = files.load_people(frame).expect("a frame").pictures;
+            let joint = |k: &maquette::silhouette::Keypoint| {
+                let at = COCO.iter().position(|name| *name == k.name)?;
+                (at >= 5).then(|| (k.name, k.pixel.x.round() as i64, k.pixel.y.round() as i64))
+            };
+            let of_picture = |(id, people): &(_, Vec<Vec<maquette::silhouette::Keypoint>>)| {
+                let mut joints: Vec<_> = people[0].iter().filter_map(joint).collect();
+                joints.sort_unstable();
+                (*id, joints)
+            };
+            people.iter().map(of_picture).collect::<Vec<_>>()
+        };
+        assert_eq!(pictures(&found), pictures(&wanted));
+    }
+    let inputs = found.checksums().expect("files");
+    assert!(inputs.iter().any(|input| input.input.starts_with("detections of ")), "{inputs:?}");
+
+    fs::write(raw.join(name), &bytes[..bytes.len() - 8]).expect("a file");
+    let fault = Recording::open(session.path()).expect("a folder").with_fps(FPS).observations();
+    let fault = fault.expect_err("a short array").to_string();
+    assert!(fault.contains("bytes for its shape") && !fault.contains('\n'), "{fault}");
+}

@@ -1,9 +1,10 @@
-//! Files of 2-D detections by other programs: OpenPose's JSON, as OpenPose, Pose2Sim, RTMPose and AlphaPose write it, and tables that hold
-//! all pictures of a camera ([`read_table`]).
+//! Files of 2-D detections by other programs: OpenPose's JSON, as OpenPose, Pose2Sim, RTMPose and AlphaPose write it, tables that hold
+//! all pictures of a camera ([`read_table`]), and arrays that hold those of all cameras ([`read_array`]).
 //!
 //! One file of OpenPose's holds the people of one picture, in any order; a person is a list of x, y and confidence, three numbers for each
 //! point of a [`KeypointSet`]. A point that was not seen is 0, 0, 0.
 
+mod arrays;
 mod sets;
 mod tables;
 
@@ -12,6 +13,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::input;
+pub use arrays::{is_array, read_array};
 pub use sets::KeypointSet;
 pub use tables::{NamedPerson, Table, is_table, read_table};
 

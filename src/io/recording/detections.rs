@@ -16,6 +16,9 @@ use crate::silhouette::{FrameIndex, Keypoint};
 
 /// Where they are looked for if the manifest names no place: Pose2Sim's `pose/<camera>_json/`, or `pose/<camera>.csv` and `.json`.
 const FOLDER: &str = "pose";
+/// Where else FreeMoCap has its array, and what is in its name.
+const ARRAY_FOLDERS: [&str; 3] = [FOLDER, "output_data/raw_data", "output_data"];
+const ARRAY: &str = "2dData";
 const SUFFIX: &str = "_json";
 /// Files of a camera that are read to know what they hold.
 const SAMPLED_FILES: usize = 12;
@@ -36,7 +39,9 @@ impl DetectionFiles {
     /// Whether a recording has detections, or its manifest names some.
     pub(super) fn are_promised(recording: &Recording) -> bool {
         let is_named = recording.manifest.cameras.iter().any(|c| c.detections.is_some());
-        is_named || !folders_of(recording).unwrap_or_default().is_empty()
+        is_named
+            || !folders_of(recording).unwrap_or_default().is_empty()
+            || array_of(recording).is_ok_and(|array| array.is_some())
     }
 
     /// The cameras that have detections.
@@ -80,8 +85,13 @@ impl DetectionFiles {
                 Some(FrameIndex(usize::try_from(number.checked_add_signed(shift)?).ok()?))
             };
             let whole = recording.folder.join(&pattern);
-            if detections::is_table(&whole) {
-                let table = table(&whole, calibrated)?.into_iter();
+            let is_array = detections::is_array(&whole);
+            if is_array || detections::is_table(&whole) {
+                let table = match is_array {
+                    true => detections::read_array(&whole, id.0, count),
+                    false => detections::read_table(&whole),
+                };
+                let table = checked(table, &whole, calibrated)?.into_iter();
                 let table: BTreeMap<FrameIndex, Vec<NamedPerson>> =
                     table.filter_map(|(number, people)| Some((frame(number)?, people))).collect();
                 found.cameras[id.0] = table.keys().map(|at| (*at, whole.clone())).collect();
@@ -181,6 +191,9 @@ fn folders(recording: &Recording, rig: &Rig) -> Result<Vec<(String, String)>, Re
         return Ok(named);
     }
     let found = folders_of(recording)?;
+    if let (true, Some(array)) = (found.is_empty(), array_of(recording)?) {
+        return Ok(rig.names().map(|name| (name.to_owned(), array.clone())).collect());
+    }
     let names: Vec<String> = found.iter().map(|(name, _)| name.clone()).collect();
     let camera = |(name, folder): (String, String)| {
         let alike = calibrated_name(rig, &name);
@@ -198,6 +211,20 @@ fn folders_of(recording: &Recording) -> Result<Vec<(String, String)>, RecordingE
         (path.is_dir() || detections::is_table(&path)).then(|| (name, format!("{FOLDER}/{folder}")))
     };
     Ok(visible(&recording.folder.join(FOLDER))?.into_iter().filter_map(named).collect())
+}
+
+/// FreeMoCap's array of a recording.
+fn array_of(recording: &Recording) -> Result<Option<String>, RecordingError> {
+    for folder in ARRAY_FOLDERS {
+        let files = visible(&recording.folder.join(folder))?.into_iter();
+        let arrays = files.filter(|path| detections::is_array(path));
+        let names = arrays.filter_map(|path| Some(path.file_name()?.to_str()?.to_owned()));
+        let mut named = names.filter(|name| name.contains(ARRAY));
+        if let Some(name) = named.next() {
+            return Ok(Some(format!("{folder}/{name}")));
+        }
+    }
+    Ok(None)
 }
 
 /// Folders of which none is called after a calibrated camera.
@@ -237,10 +264,13 @@ fn sampled(files: &BTreeMap<u64, PathBuf>, camera: &Camera) -> Result<Vec<Person
     Ok(people)
 }
 
-/// The people of a camera all of whose pictures are in one file.
-fn table(path: &Path, camera: &Camera) -> Result<detections::Table, RecordingError> {
-    let table = detections::read_table(path)
-        .map_err(|reason| RecordingError::Detections { path: path.into(), reason })?;
+/// The people of a camera all of whose pictures are in one file, which was read.
+fn checked(
+    table: Result<detections::Table, String>,
+    path: &Path,
+    camera: &Camera,
+) -> Result<detections::Table, RecordingError> {
+    let table = table.map_err(|reason| RecordingError::Detections { path: path.into(), reason })?;
     let people = table.values().flatten().flatten();
     check_size(camera, people.map(|(_, point)| point))?;
     Ok(table)
