@@ -7,8 +7,9 @@ use maquette::body::Side;
 use maquette::camera::Camera;
 use maquette::io::calibration::{self, CalibrationOptions, write_toml};
 use maquette::io::model;
+use maquette::io::recording::{ObservationFiles, RecordingError};
 use maquette::pipeline::{NoProgress, Size};
-use maquette::silhouette::FrameIndex;
+use maquette::silhouette::{FrameIndex, Keypoint};
 use maquette::synth::{Recipe, Ring, Synthetic};
 use maquette::workflow::LensRig;
 use maquette::{FitOptions, Recording};
@@ -68,6 +69,11 @@ fn person(
 fn file(people: &[Vec<f64>]) -> String {
     let listed = people.iter().map(|person| format!("{{\"pose_keypoints_2d\": {person:?}}}"));
     format!("{{\"people\": [{}]}}", listed.collect::<Vec<_>>().join(", "))
+}
+
+/// The detections of a folder.
+fn observed(folder: &Path) -> Result<ObservationFiles, RecordingError> {
+    Recording::open(folder).expect("a folder").with_fps(FPS).observations()
 }
 
 /// A Pose2Sim project without videos: a calibration, and what each picture's file holds.
@@ -207,13 +213,13 @@ fn frames_without_files_and_the_wrong_name_of_a_set_are_read_or_told() {
         }
     }
     fs::remove_file(pose(names[0]).join(format!("{}_000002.json", names[0]))).expect("a file");
-    let files = Recording::open(folder.path()).expect("a folder").with_fps(FPS).observations();
+    let files = observed(folder.path());
     let files = files.expect("detections");
     assert_eq!(files.frames.len(), FRAMES - 3);
     assert_eq!(files.load_people(2).expect("a frame").pictures.len(), 3);
 
     fs::write(folder.path().join("sequence.toml"), "keypoints = \"halpe26\"\n").expect("a file");
-    let fault = Recording::open(folder.path()).expect("a folder").with_fps(FPS).observations();
+    let fault = observed(folder.path());
     let fault = fault.expect_err("17 points").to_string();
     assert!(fault.contains("people of 17 points, halpe26 has 26"), "{fault}");
 }
@@ -222,7 +228,7 @@ fn frames_without_files_and_the_wrong_name_of_a_set_are_read_or_told() {
 fn a_table_of_each_camera_says_what_the_files_of_all_pictures_say() {
     let walker = walker();
     let folder = project(&walker, text_of(&walker));
-    let wanted = Recording::open(folder.path()).expect("a folder").with_fps(FPS).observations();
+    let wanted = observed(folder.path());
     let wanted = wanted.expect("detections");
 
     let tables = tempfile::tempdir().expect("a folder");
@@ -326,14 +332,8 @@ fn text_of_one(walker: &Synthetic) -> impl Fn(usize, usize) -> String {
 /// MediaPipe's number of each of COCO's points from the shoulders on.
 const MEDIAPIPE: [usize; 12] = [11, 12, 13, 14, 15, 16, 23, 24, 25, 26, 27, 28];
 
-#[test]
-fn freemocaps_array_of_all_cameras_says_what_the_files_of_all_pictures_say() {
-    let walker = walker();
-    let folder = project(&walker, text_of(&walker));
-    let wanted = Recording::open(folder.path()).expect("a folder").with_fps(FPS).observations();
-    let wanted = wanted.expect("detections");
-
-    // cameras × frames × 33 × 2, as numpy.save writes it
+/// FreeMoCap's array of what the files of all pictures hold: cameras × frames × 33 × 2, as numpy.save writes it.
+fn array(walker: &Synthetic) -> Vec<u8> {
     let text = format!(
         "{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, {FRAMES}, 33, 2), }}\n",
         walker.rig.cameras.len()
@@ -344,7 +344,7 @@ fn freemocaps_array_of_all_cameras_says_what_the_files_of_all_pictures_say() {
     for (id, _) in walker.rig.iter() {
         for frame in 0..FRAMES {
             let picture: serde_json::Value =
-                serde_json::from_str(&text_of(&walker)(frame, id.0)).expect("JSON");
+                serde_json::from_str(&text_of(walker)(frame, id.0)).expect("JSON");
             let values = picture["people"][0]["pose_keypoints_2d"].as_array().expect("points");
             let mut points = [[f64::NAN; 2]; 33];
             for (k, to) in MEDIAPIPE.into_iter().enumerate() {
@@ -354,6 +354,17 @@ fn freemocaps_array_of_all_cameras_says_what_the_files_of_all_pictures_say() {
             points.as_flattened().iter().for_each(|number| bytes.extend(number.to_le_bytes()));
         }
     }
+    bytes
+}
+
+#[test]
+fn freemocaps_array_of_all_cameras_says_what_the_files_of_all_pictures_say() {
+    let walker = walker();
+    let folder = project(&walker, text_of(&walker));
+    let wanted = observed(folder.path());
+    let wanted = wanted.expect("detections");
+
+    let bytes = array(&walker);
     let session = tempfile::tempdir().expect("a folder");
     let raw = session.path().join("output_data/raw_data");
     fs::create_dir_all(&raw).expect("a folder");
@@ -361,17 +372,17 @@ fn freemocaps_array_of_all_cameras_says_what_the_files_of_all_pictures_say() {
     fs::write(raw.join(name), &bytes).expect("a file");
     fs::write(session.path().join("calibration.toml"), write_toml(&walker.rig)).expect("a file");
 
-    let found = Recording::open(session.path()).expect("a folder").with_fps(FPS).observations();
+    let found = observed(session.path());
     let found = found.expect("detections");
     assert_eq!(found.frames, wanted.frames);
     for frame in 0..FRAMES {
-        let pictures = |files: &maquette::io::recording::ObservationFiles| {
+        let pictures = |files: &ObservationFiles| {
             let people = files.load_people(frame).expect("a frame").pictures;
-            let joint = |k: &maquette::silhouette::Keypoint| {
+            let joint = |k: &Keypoint| {
                 let at = COCO.iter().position(|name| *name == k.name)?;
                 (at >= 5).then(|| (k.name, k.pixel.x.round() as i64, k.pixel.y.round() as i64))
             };
-            let of_picture = |(id, people): &(_, Vec<Vec<maquette::silhouette::Keypoint>>)| {
+            let of_picture = |(id, people): &(_, Vec<Vec<Keypoint>>)| {
                 let mut joints: Vec<_> = people[0].iter().filter_map(joint).collect();
                 joints.sort_unstable();
                 (*id, joints)
@@ -384,7 +395,7 @@ fn freemocaps_array_of_all_cameras_says_what_the_files_of_all_pictures_say() {
     assert!(inputs.iter().any(|input| input.input.starts_with("detections of ")), "{inputs:?}");
 
     fs::write(raw.join(name), &bytes[..bytes.len() - 8]).expect("a file");
-    let fault = Recording::open(session.path()).expect("a folder").with_fps(FPS).observations();
+    let fault = observed(session.path());
     let fault = fault.expect_err("a short array").to_string();
     assert!(fault.contains("bytes for its shape") && !fault.contains('\n'), "{fault}");
 }

@@ -55,6 +55,11 @@ pub fn trajectories(
     }
 }
 
+/// One frame of trajectories; `None` where there is no such frame.
+pub fn only(of: &Trajectories, frame: usize) -> Option<Trajectories> {
+    Some(Trajectories { frames: vec![of.frames.get(frame)?.clone()], ..of.clone() })
+}
+
 /// The trajectory of one point; `None` in frames without it, or for a name that is not there.
 pub fn point(of: &Trajectories, name: &str, frame: usize) -> Option<Point3<f64>> {
     let index = of.names.iter().position(|n| n == name)?;

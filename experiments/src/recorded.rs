@@ -19,6 +19,14 @@ use rayon::prelude::*;
 
 use crate::metrics::trajectories;
 
+/// The trajectories of a TRC file.
+///
+/// # Errors
+/// If it is missing, or cannot be read.
+pub fn read_trajectories(path: &Path) -> Result<Trajectories, Box<dyn Error>> {
+    Ok(read_trc(&std::fs::read_to_string(path)?, path)?)
+}
+
 /// The joint centres of a fit.
 pub fn fitted(fit: &Fit, fps: f64) -> Trajectories {
     let motions: Vec<Motion> = fit.frames.iter().map(|f| f.fit.motion.clone()).collect();
@@ -60,14 +68,13 @@ impl Recorded {
         };
         let masks: Result<Vec<_>, _> = files.frames.par_iter().map(read).collect();
 
-        let path = folder.join(truth);
         Ok(Self {
             stature_m: stature_m(&folder.join("truth.json"))?,
             given_m: None,
             masks: masks?,
             numbers: files.frames.clone(),
             fps,
-            truth: read_trc(&std::fs::read_to_string(&path)?, &path)?,
+            truth: read_trajectories(&folder.join(truth))?,
             true_rig: true_rig(folder)?.unwrap_or_else(|| files.rig.clone()),
             rig: files.rig,
         })

@@ -9,11 +9,12 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use experiments::recorded::read_trajectories;
 use experiments::run::{Run, shared_data};
 use experiments::table::Table;
 use maquette::gait::{Angle, EventKind, GaitAnalysis, GaitOptions, Parameter, Side, analyse};
 use maquette::io::gait::read_points;
-use maquette::io::points::trc::{Trajectories, read_trc, write_trc};
+use maquette::io::points::trc::{Trajectories, write_trc};
 use maquette::math::stats::mean;
 use maquette::{FitOptions, Recording};
 
@@ -155,7 +156,7 @@ fn plates(text: &str) -> Vec<PlateEvent> {
 
 /// The same walk with the points of joint centres only: hips found from the pelvis, knees, ankles, toes.
 fn joint_centres(markers: &Path) -> Result<String, Box<dyn Error>> {
-    let all = read_trc(&std::fs::read_to_string(markers)?, markers)?;
+    let all = read_trajectories(markers)?;
     let hips = read_points(markers, None)?.movement;
     let mut names = Vec::new();
     let mut columns = Vec::new();

@@ -6,13 +6,13 @@ use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;
 
-use experiments::metrics::{frame_error_mm, trajectories};
+use experiments::metrics::{frame_error_mm, only, trajectories};
+use experiments::recorded::read_trajectories;
 use experiments::run::{Run, shared_data};
 use experiments::table::Table;
 use maquette::inference::Evidence;
 use maquette::inference::start::{Reading, StartOptions, readings};
 use maquette::io::model;
-use maquette::io::points::trc::{Trajectories, read_trc};
 use maquette::io::recording::Recording;
 use maquette::likelihood::EllipseOptions;
 use maquette::silhouette::SilhouetteOptions;
@@ -33,10 +33,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     }
     let recording =
         Recording::open(&folder).and_then(|found| found.with_fps(50.0).observations())?;
-    let truth = {
-        let path = folder.join("truth.trc");
-        read_trc(&std::fs::read_to_string(&path)?, &path)?
-    };
+    let truth = read_trajectories(&folder.join("truth.trc"))?;
     let body = model::load("human-ellipsoids", Path::new(""))?;
     let evidence = Evidence::with_ellipses(&body, &recording.rig, EllipseOptions::default());
     // 20 frames, evenly over the recording
@@ -65,9 +62,4 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     run.say(&format!("{near} of {STARTS} within {NEAR_MM} mm"));
     run.number("starts_within_50_mm", near as f64);
     Ok(run.finish()?)
-}
-
-/// One frame of the truth.
-fn only(truth: &Trajectories, frame: usize) -> Option<Trajectories> {
-    Some(Trajectories { frames: vec![truth.frames.get(frame)?.clone()], ..truth.clone() })
 }

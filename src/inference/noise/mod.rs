@@ -112,15 +112,13 @@ impl Noise {
         }
     }
 
-    /// The factors of all kinds of data: those within one frame, times τ₁/τ.
+    /// The factors of all kinds of data: those within one frame, times τ₁/τ; 1 of a kind of which there is none.
     pub fn weights(&self) -> DataWeights {
-        let DataWeights { outlines, points, keypoints } = self.weights_in_frame();
         let passes = 1.0 - self.staying_share();
-        DataWeights {
-            outlines: outlines * passes,
-            points: points * passes,
-            keypoints: keypoints * passes,
-        }
+        self.of_each(
+            |noise| noise.weight_in_frame() * passes,
+            |noise| noise.weight_in_frame() * passes,
+        )
     }
 
     /// The factors of all kinds of data within one frame; 1 of a kind of which there is none.

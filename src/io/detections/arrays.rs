@@ -14,12 +14,11 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
+use super::tables::MOST_BYTES;
 use super::{KeypointSet, NamedPerson, Table};
 use crate::io::input;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
-/// The most bytes of a camera's detections: hours of one person.
-const MOST_BYTES: u64 = 512 << 20;
 
 /// Whether a file is such an array by its name.
 pub fn is_array(path: &Path) -> bool {

@@ -23,7 +23,7 @@ pub type NamedPerson = Vec<(&'static str, [f64; 3])>;
 pub type Table = BTreeMap<u64, Vec<NamedPerson>>;
 
 /// The most bytes of a camera's detections: hours of one person.
-const MOST_BYTES: u64 = 512 << 20;
+pub(super) const MOST_BYTES: u64 = 512 << 20;
 /// Joints of both sides, and points of neither, by Pose2Sim's names.
 const SIDED: [[&str; 2]; 11] = [
     ["RHip", "LHip"],

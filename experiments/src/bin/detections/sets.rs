@@ -3,16 +3,16 @@
 use std::error::Error;
 use std::path::Path;
 
-use experiments::metrics::{frame_error_mm, length_error_pct, mpjpe_mm, offset_mm};
+use experiments::metrics::{frame_error_mm, length_error_pct, mpjpe_mm, offset_mm, only};
+use experiments::recorded::read_trajectories;
 use experiments::run::Run;
 use experiments::table::Table;
 use maquette::FitOptions;
-use maquette::FittedRecording;
-use maquette::io::points::trc::{Trajectories, read_trc};
+use maquette::io::points::trc::Trajectories;
 use maquette::io::recording::Recording;
+use maquette::io::result::trajectories;
 use maquette::math::stats::mean;
 use maquette::pipeline::{FitTo, FrameRange};
-use nalgebra::Point3;
 
 /// Recordings of one person.
 pub(crate) const WITH_TRUTH: [&str; 3] = ["moved", "dressed", "clocks"];
@@ -31,9 +31,9 @@ pub(crate) fn gains(run: &mut Run, folder: &Path) -> Result<(), Box<dyn Error>> 
     let mut ratios = Vec::new();
     let recordings = if run.is_quick() { 1 } else { WITH_TRUTH.len() };
     for name in &WITH_TRUTH[..recordings] {
-        let truth = truth(&folder.join(name))?;
+        let truth = read_trajectories(&folder.join(name).join("truth.trc"))?;
         let mut row = |words: &str, fit_to: FitTo| -> Result<f64, Box<dyn Error>> {
-            let fit = motion(&fitted(&folder.join(name), fit_to, FrameRange::default())?);
+            let fit = fitted(&folder.join(name), fit_to, FrameRange::default())?;
             let number = |value: Option<f64>| value.unwrap_or(f64::INFINITY);
             let joints = number(mpjpe_mm(&truth, &fit));
             table.row([
@@ -64,14 +64,13 @@ pub(crate) fn starts(run: &mut Run, folder: &Path) -> Result<(), Box<dyn Error>>
     for (number, fit_to) in [("starts", FitTo::All), ("starts_by_detections", FitTo::Detections)] {
         let mut near = 0;
         for name in STARTED {
-            let truth = truth(&folder.join(name))?;
+            let truth = read_trajectories(&folder.join(name).join("truth.trc"))?;
             for i in 0..each {
                 let frame = (2 * i + 1) * truth.frames.len() / (2 * each);
-                let only = FrameRange { first: frame, last: frame };
-                let fit = motion(&fitted(&folder.join(name), fit_to, only)?);
-                let truth =
-                    Trajectories { frames: vec![truth.frames[frame].clone()], ..truth.clone() };
-                near += usize::from(frame_error_mm(&truth, &fit, 0).is_some_and(|e| e < NEAR_MM));
+                let range = FrameRange { first: frame, last: frame };
+                let fit = fitted(&folder.join(name), fit_to, range)?;
+                let error = only(&truth, frame).and_then(|truth| frame_error_mm(&truth, &fit, 0));
+                near += usize::from(error.is_some_and(|error| error < NEAR_MM));
             }
         }
         run.say(&format!("{number}: {near} of {}", STARTED.len() * each));
@@ -80,29 +79,14 @@ pub(crate) fn starts(run: &mut Run, folder: &Path) -> Result<(), Box<dyn Error>>
     Ok(())
 }
 
+/// The points of a fit.
 fn fitted(
     folder: &Path,
     fit_to: FitTo,
     frames: FrameRange,
-) -> Result<FittedRecording, Box<dyn Error>> {
+) -> Result<Trajectories, Box<dyn Error>> {
     let mut options = FitOptions { frames, ..FitOptions::default() };
     options.observations.fit_to = fit_to;
-    Ok(Recording::open(folder)?.with_fps(FPS).fit(&options)?)
-}
-
-fn truth(folder: &Path) -> Result<Trajectories, Box<dyn Error>> {
-    let path = folder.join("truth.trc");
-    Ok(read_trc(&std::fs::read_to_string(&path)?, &path)?)
-}
-
-/// The points of a fit.
-fn motion(fit: &FittedRecording) -> Trajectories {
-    let motion = &fit.result.motion;
-    let points = |frame: &Vec<[f64; 3]>| frame.iter().map(|p| Some(Point3::from(*p))).collect();
-    Trajectories {
-        rate_hz: FPS,
-        first_frame: 0,
-        names: motion.points.clone(),
-        frames: motion.frames.iter().map(|frame| points(&frame.points_m)).collect(),
-    }
+    let fit = Recording::open(folder)?.with_fps(FPS).fit(&options)?;
+    Ok(trajectories(&fit.result))
 }

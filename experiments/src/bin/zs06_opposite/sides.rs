@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use experiments::held::{ARMS, Arm, ArmError, held};
-use experiments::metrics::trajectories;
+use experiments::metrics::{only, trajectories};
 use experiments::walker;
 use maquette::body::{BodyModel, JointId, Motion, Shape};
 use maquette::inference::frame::FramePosterior;
@@ -257,10 +257,7 @@ impl Scene<'_> {
         let ends = [at.clone(), mirrored(at, elbow)].map(|start| posterior.optimum(start));
         let costs = [ends[0].1, ends[1].1];
         let fitted = ends.map(|(motion, _)| posterior.points(&motion, self.recording.fps));
-        let true_frame = Trajectories {
-            frames: vec![self.truth.frames.get(frame)?.clone()],
-            ..self.truth.clone()
-        };
+        let true_frame = only(&self.truth, frame)?;
         let errors =
             [arm.error(&true_frame, &fitted[0], 0)?, arm.error(&true_frame, &fitted[1], 0)?];
         Some(Fit {

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use experiments::metrics::{frame_error_mm, offset_errors_mm, trajectories};
+use experiments::metrics::{frame_error_mm, offset_errors_mm, only, trajectories};
 use maquette::body::{BodyModel, Motion, Shape};
 use maquette::camera::Rig;
 use maquette::inference::SequenceState;
@@ -124,11 +124,7 @@ impl Scene<'_> {
     fn start_error_mm(&self, trial: &Trial) -> Option<f64> {
         let (shape, motion) = (&trial.hypothesis.shape, trial.hypothesis.motion.clone());
         let start = trajectories(self.model, shape, &[motion], self.fps);
-        let truth = Trajectories {
-            frames: vec![self.truth.frames.get(trial.hypothesis.keyframe)?.clone()],
-            ..self.truth.clone()
-        };
-        frame_error_mm(&truth, &start, 0)
+        frame_error_mm(&only(&self.truth, trial.hypothesis.keyframe)?, &start, 0)
     }
 }
 
