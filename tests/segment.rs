@@ -3,11 +3,13 @@
 use std::convert::Infallible;
 use std::sync::Mutex;
 
-use maquette::camera::Rig;
+use maquette::camera::{Camera, Rig};
 use maquette::image::{Mask, Picture, Plane};
-use maquette::pipeline::segment::{SegmentOptions, Segmented, Segmenter, Training, segment};
-use maquette::pipeline::{MemoryPictures, NoProgress};
-use maquette::silhouette::{FrameIndex, ShrunkSize, Support, SupportOptions, Volume};
+use maquette::pipeline::segment::{Cut, SegmentOptions, Segmented, Segmenter, Training, segment};
+use maquette::pipeline::{Beside, MemoryPictures, NoProgress, Person};
+use maquette::silhouette::{
+    Detection, FrameIndex, Keypoint, ShrunkSize, Support, SupportOptions, Volume,
+};
 use maquette::synth::Ring;
 use nalgebra::{Point2, Point3, Vector3};
 
@@ -29,9 +31,18 @@ fn rig() -> Rig {
 }
 
 /// Whether a camera sees the ellipsoid of a frame in a pixel.
-fn is_person(rig: &Rig, camera: usize, frame: usize, (x, y): (usize, usize)) -> bool {
+fn is_person(rig: &Rig, camera: usize, frame: usize, pixel: (usize, usize)) -> bool {
+    is_ellipsoid(rig, camera, &walking(frame), pixel)
+}
+
+/// The middle of one who walks.
+fn walking(frame: usize) -> Point3<f64> {
+    Point3::new(0.09 * frame as f64 - 0.5, 0.05 * frame as f64 - 0.3, 0.9)
+}
+
+/// Whether a camera sees an ellipsoid about a middle in a pixel.
+fn is_ellipsoid(rig: &Rig, camera: usize, centre: &Point3<f64>, (x, y): (usize, usize)) -> bool {
     let ray = rig.cameras[camera].ray(&Point2::new(x as f64, y as f64));
-    let centre = Point3::new(0.09 * frame as f64 - 0.5, 0.05 * frame as f64 - 0.3, 0.9);
     let scale = Vector3::new(0.25, 0.25, 0.85);
     let from = (ray.origin_world - centre).component_div(&scale);
     let along = ray.direction_world.component_div(&scale);
@@ -72,7 +83,7 @@ fn pictures(rig: &Rig, frame: usize) -> Vec<Option<Picture>> {
 fn learned(rig: &Rig, options: SegmentOptions) -> Segmenter {
     let mut training = Training::new(rig, FRAMES, options);
     for frame in 0..FRAMES {
-        training.add(&pictures(rig, frame));
+        training.add(FrameIndex(frame), &pictures(rig, frame));
     }
     training.learn()
 }
@@ -95,7 +106,9 @@ fn a_person_is_cut_out_without_any_picture_of_the_empty_scene() {
     let segmenter = learned(&rig, SegmentOptions::default());
     assert!(segmenter.is_consistent());
     for frame in [0, 5, 11] {
-        for (c, cut) in segmenter.segment(&pictures(&rig, frame)).iter().enumerate() {
+        for (c, cut) in
+            segmenter.segment(FrameIndex(frame), &pictures(&rig, frame)).iter().enumerate()
+        {
             let cut = cut.as_ref().expect("a picture, so a mask");
             let overlap = overlap(&rig, c, frame, &cut.mask);
             assert!(overlap > 0.85, "frame {frame}, camera {c}: {overlap}");
@@ -107,7 +120,7 @@ fn a_person_is_cut_out_without_any_picture_of_the_empty_scene() {
 fn what_no_other_camera_supports_is_removed() {
     let rig = rig();
     let is_stranger = |segmenter: &Segmenter| {
-        let cuts = segmenter.segment(&pictures(&rig, 5));
+        let cuts = segmenter.segment(FrameIndex(5), &pictures(&rig, 5));
         let cut = cuts[0].as_ref().expect("a mask");
         (cut.mask.is_foreground(37, 16), cut.quality.unsupported)
     };
@@ -124,7 +137,7 @@ fn a_camera_without_a_picture_has_no_mask_and_the_others_have() {
     let segmenter = learned(&rig, SegmentOptions::default());
     let mut some = pictures(&rig, 5);
     some[2] = None;
-    let cuts = segmenter.segment(&some);
+    let cuts = segmenter.segment(FrameIndex(5), &some);
     assert!(cuts[2].is_none());
     let cut = cuts[1].as_ref().expect("a mask");
     assert!(overlap(&rig, 1, 5, &cut.mask) > 0.85);
@@ -136,10 +149,10 @@ fn an_overexposed_picture_has_no_mask_and_speaks_against_nobody() {
     let segmenter = learned(&rig, SegmentOptions::default());
     let mut some = pictures(&rig, 5);
     some[2] = Some(Picture::filled(SIZE.0 as usize, SIZE.1 as usize, [255; 3]));
-    let cuts = segmenter.segment(&some);
+    let cuts = segmenter.segment(FrameIndex(5), &some);
     assert!(cuts[2].is_none());
     some[2] = None;
-    for (cut, without) in cuts.iter().zip(segmenter.segment(&some)) {
+    for (cut, without) in cuts.iter().zip(segmenter.segment(FrameIndex(5), &some)) {
         assert_eq!(cut.as_ref().map(|c| &c.mask), without.as_ref().map(|c| &c.mask));
     }
 }
@@ -158,7 +171,7 @@ fn a_recording_in_memory_is_segmented_frame_by_frame_and_what_is_odd_is_noted() 
 
     let taken = Mutex::new(Vec::new());
     let options = SegmentOptions::default();
-    let segmented = segment(&recording, 4..=6, options, &NoProgress, |frame| {
+    let segmented = segment(&recording, &[], 4..=6, options, &NoProgress, |frame| {
         let cut = frame.cuts[1].as_ref().expect("a mask");
         let overlap = overlap(&rig, 1, frame.frame.0, &cut.mask);
         taken.lock().expect("no panic").push((frame.frame.0, overlap));
@@ -181,14 +194,14 @@ fn nothing_in_the_pictures_is_no_fault() {
     let rig = rig();
     let empty = |frame| (0..4).map(|c| Some(picture(c, frame, |_, _| false))).collect::<Vec<_>>();
     let mut training = Training::new(&rig, 3, SegmentOptions::default());
-    (0..3).for_each(|frame| training.add(&empty(frame)));
+    (0..3).for_each(|frame| training.add(FrameIndex(frame), &empty(frame)));
     let segmenter = training.learn();
     assert!(!segmenter.is_consistent());
-    for cut in segmenter.segment(&empty(1)) {
+    for cut in segmenter.segment(FrameIndex(1), &empty(1)) {
         assert_eq!(cut.expect("a mask").quality.area_px, 0);
     }
     let never = Training::new(&rig, 0, SegmentOptions::default()).learn();
-    assert_eq!(never.segment(&vec![None; 4]).iter().flatten().count(), 0);
+    assert_eq!(never.segment(FrameIndex(0), &vec![None; 4]).iter().flatten().count(), 0);
 }
 
 #[test]
@@ -197,10 +210,132 @@ fn overexposed_pictures_and_pictures_of_one_grey_are_no_fault() {
     for grey in [0, 128, 255] {
         let flat = || vec![Some(Picture::filled(SIZE.0 as usize, SIZE.1 as usize, [grey; 3])); 4];
         let mut training = Training::new(&rig, 4, SegmentOptions::default());
-        (0..4).for_each(|_| training.add(&flat()));
-        let cuts = training.learn().segment(&flat());
+        (0..4).for_each(|frame| training.add(FrameIndex(frame), &flat()));
+        let cuts = training.learn().segment(FrameIndex(1), &flat());
         assert!(cuts.iter().flatten().all(|cut| cut.quality.area_px == 0));
     }
+}
+
+/// Joints of both sides within an ellipsoid: names, how far left or right of its middle, and above it, metres.
+const JOINTS: [([&str; 2], f64, f64); 6] = [
+    (["LShoulder", "RShoulder"], 0.14, 0.45),
+    (["LElbow", "RElbow"], 0.2, 0.15),
+    (["LWrist", "RWrist"], 0.2, -0.1),
+    (["LHip", "RHip"], 0.1, -0.05),
+    (["LKnee", "RKnee"], 0.1, -0.4),
+    (["LAnkle", "RAnkle"], 0.06, -0.75),
+];
+
+/// What a detector shows of somebody whose middle is `at` in each frame.
+fn person(rig: &Rig, at: impl Fn(usize) -> Point3<f64>) -> Person {
+    let seen = |frame: usize, camera: &Camera| {
+        let keypoint = |name: &'static str, aside: f64, above: f64| {
+            let place = at(frame) + Vector3::new(0.0, aside, above);
+            let pixel = camera.project_undistorted(&place).expect("before the camera");
+            Keypoint { name, pixel, confidence: 0.9 }
+        };
+        let joints = JOINTS.iter().flat_map(|([left, right], aside, above)| {
+            [keypoint(left, *aside, *above), keypoint(right, -aside, *above)]
+        });
+        Detection::new(joints.collect()).expect("joints")
+    };
+    let of_frame = |frame| {
+        let cameras = rig.iter().map(|(id, camera)| (id, seen(frame, camera)));
+        (FrameIndex(frame), cameras.collect())
+    };
+    Person { detections: (0..FRAMES).map(of_frame).collect(), beside: Beside::default() }
+}
+
+/// The masks of a frame of a recording of people at these places, who were detected.
+fn cuts(
+    rig: &Rig,
+    at: &[&dyn Fn(usize) -> Point3<f64>],
+    people: &[Person],
+    frame: usize,
+) -> Vec<Cut> {
+    let pictures = |frame: usize| -> Vec<Option<Picture>> {
+        let shows = |c, pixel| at.iter().any(|at| is_ellipsoid(rig, c, &at(frame), pixel));
+        (0..4).map(|c| Some(picture(c, frame, |x, y| shows(c, (x, y))))).collect()
+    };
+    let mut training = Training::new(rig, FRAMES, SegmentOptions::default()).told(people);
+    (0..FRAMES).for_each(|frame| training.add(FrameIndex(frame), &pictures(frame)));
+    let cuts = training.learn().segment(FrameIndex(frame), &pictures(frame));
+    cuts.into_iter().map(|cut| cut.expect("a mask")).collect()
+}
+
+/// The share of somebody's pixels that `is_theirs`.
+fn share(
+    rig: &Rig,
+    camera: usize,
+    at: &Point3<f64>,
+    is_theirs: impl Fn(usize, usize) -> bool,
+) -> f64 {
+    let pixels = (0..SIZE.1 as usize).flat_map(|y| (0..SIZE.0 as usize).map(move |x| (x, y)));
+    let own: Vec<_> = pixels.filter(|pixel| is_ellipsoid(rig, camera, at, *pixel)).collect();
+    own.iter().filter(|(x, y)| is_theirs(*x, *y)).count() as f64 / own.len() as f64
+}
+
+/// A camera that sees two people beside each other.
+fn apart(rig: &Rig, one: &Point3<f64>, other: &Point3<f64>) -> usize {
+    let both = |c: &usize| share(rig, *c, one, |x, y| is_ellipsoid(rig, *c, other, (x, y)));
+    (0..4).find(|c| both(c) <= 0.0).expect("one of four cameras around")
+}
+
+/// The share of a mask's pixels that are somebody's.
+fn share_of(mask: &Mask, is_theirs: impl Fn(usize, usize) -> bool) -> f64 {
+    let pixels = (0..SIZE.1 as usize).flat_map(|y| (0..SIZE.0 as usize).map(move |x| (x, y)));
+    let of_mask: Vec<_> = pixels.filter(|(x, y)| mask.is_foreground(*x, *y)).collect();
+    let theirs = of_mask.iter().filter(|(x, y)| is_theirs(*x, *y));
+    theirs.count() as f64 / of_mask.len().max(1) as f64
+}
+
+#[test]
+fn who_never_moves_is_found_where_detections_show_them() {
+    let rig = rig();
+    let still = |_| Point3::new(0.0, 0.0, 0.9);
+    let told = cuts(&rig, &[&still], &[person(&rig, still)], 5);
+    let untold = cuts(&rig, &[&still], &[], 5);
+    for (c, (told, untold)) in told.iter().zip(&untold).enumerate() {
+        let found = |cut: &Cut| share(&rig, c, &still(5), |x, y| cut.mask.is_foreground(x, y));
+        assert!(found(told) > 0.5 && found(untold) < 0.1, "{c}: {} {}", found(told), found(untold));
+        // and little else
+        let all = told.quality.area_px as f64;
+        let own = all * share_of(&told.mask, |x, y| is_ellipsoid(&rig, c, &still(5), (x, y)));
+        assert!(own > 0.8 * all, "{c}: {own} of {all}");
+    }
+}
+
+#[test]
+fn who_is_far_from_all_joints_is_not_in_the_masks() {
+    let rig = rig();
+    let other = |frame: usize| Point3::new(0.4 - 0.09 * frame as f64, 0.9, 0.9);
+    let told = cuts(&rig, &[&walking, &other], &[person(&rig, walking)], 1);
+    let untold = cuts(&rig, &[&walking, &other], &[], 1);
+    let found = |cut: &Cut, c: usize, at: &Point3<f64>| {
+        share(&rig, c, at, |x, y| cut.mask.is_foreground(x, y))
+    };
+    let c = apart(&rig, &walking(1), &other(1));
+    for cut in [&told[c], &untold[c]] {
+        assert!(found(cut, c, &walking(1)) > 0.85, "{}", found(cut, c, &walking(1)));
+    }
+    assert!(found(&told[c], c, &other(1)) < 0.02, "{}", found(&told[c], c, &other(1)));
+    assert!(found(&untold[c], c, &other(1)) > 0.85, "{}", found(&untold[c], c, &other(1)));
+    assert!(told[c].labels.is_none());
+}
+
+#[test]
+fn two_people_have_a_value_each() {
+    let rig = rig();
+    let other = |frame: usize| Point3::new(0.4 - 0.09 * frame as f64, 0.9, 0.9);
+    let people = [person(&rig, walking), person(&rig, other)];
+    let told = cuts(&rig, &[&walking, &other], &people, 1);
+    let c = apart(&rig, &walking(1), &other(1));
+    let labels = told[c].labels.as_ref().expect("two people");
+    for (value, at) in [(1, walking(1)), (2, other(1))] {
+        let found = share(&rig, c, &at, |x, y| labels.get(x, y) == Some(value));
+        assert!(found > 0.85, "{value}: {found}");
+    }
+    assert_eq!(labels.get(2, 2), Some(0));
 }
 
 #[test]

@@ -19,7 +19,8 @@ pub(super) const ABOUT: &str = "\
 Cut the person out of the pictures of a recording.
 
 The recording is a folder with a calibration and videos/<camera>.* or images/<camera>/*, or a sequence.toml that says \
-where images, videos and pictures of the empty scene (background) are. Into OUT go masks/<camera>/%06d.png and \
+where images, videos and pictures of the empty scene (background) are. Detections of joints (pose/) beside them say \
+where the person is, and who of several. Into OUT go masks/<camera>/%06d.png and \
 quality.csv; `maquette fit` does the same by itself where a recording has no masks.";
 
 pub(super) const EXAMPLES: &str = "\

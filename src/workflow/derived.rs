@@ -1,7 +1,8 @@
 //! What a recording lacks, made of its pictures and kept in a folder: masks, contours, points.
 
+use super::detections::MOST_PEOPLE;
 use super::given::Given;
-use super::masks::cut_masks;
+use super::masks::{self, cut_masks};
 use super::surface::measure_points;
 use super::{DEFAULT_BODY, Error, FitOptions, SilhouetteSource, silhouettes};
 use crate::io::folder::OutFolder;
@@ -10,7 +11,7 @@ use crate::io::folder::stereo::{self, StereoExtras, StereoFolder};
 use crate::io::recording::footage::{Footage, FootageError, FootageNote};
 use crate::io::recording::{DerivedFiles, Note, ObservationFiles, Recording, RecordingError};
 use crate::pipeline::stereo::{StereoMethod, StereoOptions};
-use crate::pipeline::{Progress, span};
+use crate::pipeline::{FitTo, Progress, span};
 use crate::silhouette::FrameObservations;
 use crate::stereo::SideBySide;
 
@@ -78,7 +79,7 @@ impl Derived<'_> {
             if options.silhouettes.is_none() {
                 self.progress.note(MASKS_CHOSEN);
             }
-            notes.extend(self.cut_masks(&footage, options)?);
+            notes.extend(self.cut_masks(recording, &footage, options)?);
         }
         if let Some(method) = options.stereo {
             let masks = recording.with_derived(files)?;
@@ -89,13 +90,24 @@ impl Derived<'_> {
     }
 
     /// Cuts the person out of the pictures of the frames that are fitted, and says what was odd.
-    fn cut_masks(&self, footage: &Footage, options: &FitOptions) -> Result<Vec<String>, Error> {
+    fn cut_masks(
+        &self,
+        recording: &Recording,
+        footage: &Footage,
+        options: &FitOptions,
+    ) -> Result<Vec<String>, Error> {
         if let Some(notes) = self.kept_notes(segmented::QUALITY) {
             return Ok(notes);
         }
         let frames = footage.frames();
         let frames = span(options.frames.select(&frames)?);
-        let found = cut_masks(footage, frames, self.out, MaskExtras::default(), self.progress)?;
+        let wanted = options.observations;
+        let people = match wanted.fit_to {
+            FitTo::Silhouettes => Vec::new(),
+            _ => masks::people(recording, footage, wanted.people.most.unwrap_or(MOST_PEOPLE))?,
+        };
+        let found =
+            cut_masks(footage, &people, frames, self.out, MaskExtras::default(), self.progress)?;
         self.keep_notes(segmented::QUALITY, found.notes)
     }
 

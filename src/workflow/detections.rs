@@ -8,7 +8,7 @@ use crate::pipeline::{FitError, FitTo, Person, Progress, detected_people, strang
 use crate::silhouette::{FrameObservations, FramePeople};
 
 /// So many people are fitted, unless more are asked for.
-const MOST_PEOPLE: usize = 4;
+pub(super) const MOST_PEOPLE: usize = 4;
 
 /// Whether detections alone are fitted to.
 pub(super) fn stand_alone(files: &ObservationFiles, fit_to: FitTo) -> bool {

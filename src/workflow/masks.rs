@@ -4,12 +4,13 @@ use std::ops::RangeInclusive;
 use std::path::Path;
 
 use super::Error;
+use super::detections::MOST_PEOPLE;
 use crate::io::folder::OutFolder;
 use crate::io::folder::segmented::{MaskExtras, MaskFolder, QualityRow};
-use crate::io::recording::Recording;
 use crate::io::recording::footage::{Footage, FootageNote};
+use crate::io::recording::{Recording, RecordingError};
 use crate::pipeline::segment::{SegmentOptions, SegmentedFrame, segment};
-use crate::pipeline::{FrameRange, Progress, span};
+use crate::pipeline::{FrameRange, Person, Progress, detected_people, span};
 
 /// How the masks of a recording are written.
 #[derive(Debug, Clone, Copy)]
@@ -34,7 +35,7 @@ pub struct WrittenMasks {
 }
 
 impl Recording {
-    /// Cuts the person out of the pictures and writes masks and `quality.csv`.
+    /// Cuts the person out of the pictures, where detections say that they are if there are some, and writes masks and `quality.csv`.
     ///
     /// # Errors
     /// [`Error`] says in one line what cannot be used.
@@ -44,16 +45,30 @@ impl Recording {
         progress: &dyn Progress,
     ) -> Result<WrittenMasks, Error> {
         let footage = self.footage()?;
+        let people = people(self, &footage, MOST_PEOPLE)?;
         let frames = footage.frames();
         let frames = span(files.frames.select(&frames)?);
         let out = OutFolder::open(files.folder)?;
-        cut_masks(&footage, frames, &out, files.extras, progress)
+        cut_masks(&footage, &people, frames, &out, files.extras, progress)
     }
+}
+
+/// The people whom detections show in the pictures, at most so many; nobody without detections.
+pub(super) fn people(
+    recording: &Recording,
+    footage: &Footage,
+    most: usize,
+) -> Result<Vec<Person>, RecordingError> {
+    let frames = recording.people_in(footage)?;
+    let seen = |person: &Person| person.detections.iter().any(|(_, seen)| !seen.is_empty());
+    let found = detected_people(&footage.rig, &frames, footage.fps, most);
+    Ok(found.into_iter().filter(seen).collect())
 }
 
 /// Segments and writes.
 pub(super) fn cut_masks(
     footage: &Footage,
+    people: &[Person],
     frames: RangeInclusive<usize>,
     out: &OutFolder,
     extras: MaskExtras,
@@ -66,7 +81,7 @@ pub(super) fn cut_masks(
     let folder = MaskFolder::open(out, &footage.rig, extras)?;
     let options = SegmentOptions::default();
     let write = |frame: &SegmentedFrame| folder.write(frame);
-    let found = segment(footage, frames, options, progress, write)?;
+    let found = segment(footage, people, frames, options, progress, write)?;
     let rows = folder.finish(&found.masks)?;
 
     let known = footage.notes.iter().map(FootageNote::to_string);

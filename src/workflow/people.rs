@@ -75,9 +75,12 @@ fn labelled(input: &FitInput, most: usize) -> Result<Vec<Vec<FrameObservations>>
     let mut frames: Vec<BTreeMap<u16, FrameObservations>> =
         frames.into_iter().collect::<Result<_, RecordingError>>()?;
 
-    // who is there in frames enough
+    // whom two cameras see in frames enough
     let everybody: BTreeSet<u16> = frames.iter().flat_map(BTreeMap::keys).copied().collect();
-    let shown = |value: &u16| frames.iter().filter(|frame| frame.contains_key(value)).count();
+    let is_seen = |frame: &&BTreeMap<u16, FrameObservations>, value: &u16| {
+        frame.get(value).is_some_and(|share| share.views.len() >= 2)
+    };
+    let shown = |value: &u16| frames.iter().filter(|frame| is_seen(frame, value)).count();
     let is_somebody = |value: &u16| shown(value) as f64 >= LEAST_SHARE * observed.len() as f64;
     let people: Vec<u16> = everybody.into_iter().filter(is_somebody).take(most).collect();
     if people.len() < 2 {

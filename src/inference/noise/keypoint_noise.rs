@@ -8,7 +8,8 @@
 
 use std::collections::BTreeMap;
 
-use super::{add, influence, near, scale, worth_one};
+use super::lasting::{in_a_row, one, sums};
+use super::{influence, scale, worth_one};
 use crate::likelihood::{PlacedResidual, Source};
 
 /// How the detections of a recording err.
@@ -21,11 +22,6 @@ pub struct KeypointNoise {
     /// τ₁: how many of them in a row are worth one, but for what stays in all.
     #[serde(default = "one")]
     pub in_a_row: f64,
-}
-
-/// Of a result that was written before errors were known to last.
-fn one() -> f64 {
-    1.0
 }
 
 impl KeypointNoise {
@@ -52,33 +48,4 @@ impl KeypointNoise {
     pub fn weight_in_frame(&self) -> f64 {
         1.0 / (self.scale.powi(2) * self.in_a_row)
     }
-}
-
-/// Σψ and Σψ² of a cluster.
-fn sums(scores: &[(usize, f64)]) -> (f64, f64) {
-    let mut sums = (0.0, 0.0);
-    scores.iter().for_each(|(_, y)| add(&mut sums, *y));
-    sums
-}
-
-/// 1 + 2 Σₖ ρ(k) of clusters about their means, each in the order of frames, over the k up to where ρ first falls below 0.05.
-fn in_a_row<'a>(clusters: impl Iterator<Item = &'a [(usize, f64)]>) -> f64 {
-    const FRAMES: usize = 200;
-
-    let (mut own, mut rows) = (0.0, 0.0);
-    // Σψᵢψⱼ and the number of the pairs so many frames apart
-    let mut pairs = [(0.0, 0.0); FRAMES];
-    for cluster in clusters {
-        let mean = sums(cluster).0 / cluster.len() as f64;
-        for (i, (frame, y)) in cluster.iter().enumerate() {
-            own += (y - mean).powi(2);
-            rows += 1.0;
-            for (later, other) in &cluster[i + 1..] {
-                let Some(pair) = pairs.get_mut(later - frame) else { break };
-                pair.0 += (y - mean) * (other - mean);
-                pair.1 += 1.0;
-            }
-        }
-    }
-    if own <= 0.0 { 1.0 } else { 1.0 + 2.0 * near(&pairs, own / rows) / own }
 }

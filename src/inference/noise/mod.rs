@@ -14,9 +14,10 @@
 //!    variance of the sum of a place's scores over what it would be if they were independent (cluster-robust, with places as
 //!    clusters). A recording with twice the frames in the same time has twice the τ, and says as much.
 //!
-//!    Of one frame's looks alone it is τ₁.
+//!    A part of this passes: τ₁ is how many looks are worth one of one frame's, by several cameras, times how many of one camera's frames
+//!    in a row are (`lasting.rs`).
 //!
-//! The data's cost is divided by κ²λτ, for all unknowns alike: by κ²λτ₁ as in one frame, and as τ/τ₁ frames are worth one. What that says of the error of a motion, which is another in every
+//! The data's cost is divided by κ²λτ, for all unknowns alike: by κ²λτ₁ as of what passes, and as τ/τ₁ frames are worth one. What that says of the error of a motion, which is another in every
 //! frame, is in `repeated_error.rs`. What cameras side by side see differently counts more
 //! ([`contrasts`](super::contrasts)). What is the same over a decimetre in every frame is not noise
 //! but an unknown of its own: the surface's offsets ([`SurfaceOffsets`](crate::body::SurfaceOffsets)).
@@ -35,10 +36,12 @@
 //! Huber 1981, *Robust Statistics*; Liang & Zeger 1986, *Longitudinal data analysis using generalized linear models*.
 
 mod keypoint_noise;
+mod lasting;
 
 use std::collections::BTreeMap;
 
 pub use keypoint_noise::KeypointNoise;
+use lasting::{in_a_row, one};
 
 use super::Kind;
 use crate::likelihood::{Place, PlacedResidual, Source};
@@ -67,8 +70,11 @@ pub struct SurfaceNoise {
     pub along_border: f64,
     /// τ: how many looks at one place, by other cameras and in other frames, are worth one.
     pub together: f64,
-    /// τ₁: how many looks at one place in one frame are worth one.
+    /// How many looks at one place in one frame are worth one.
     pub in_one_frame: f64,
+    /// How many looks of one camera at one place in frames in a row are worth one, but for what stays in all.
+    #[serde(default = "one")]
+    pub in_a_row: f64,
 }
 
 /// How many times the cost of each kind of data counts.
@@ -129,8 +135,8 @@ impl Noise {
     /// 1 − τ₁/τ: the share of the variance that stays from frame to frame, of the data that chose between hypotheses.
     pub fn staying_share(&self) -> f64 {
         let together = self.of_each(|noise| noise.together, |noise| noise.together);
-        let in_one_frame = self.of_each(|noise| noise.in_one_frame, |noise| noise.in_a_row);
-        1.0 - in_one_frame.of(self.chooses()) / together.of(self.chooses())
+        let passes = self.of_each(SurfaceNoise::passes, |noise| noise.in_a_row);
+        1.0 - passes.of(self.chooses()) / together.of(self.chooses())
     }
 
     /// ν: how many independent observations residuals are worth.
@@ -179,19 +185,26 @@ impl SurfaceNoise {
         if frames.iter().all(Vec::is_empty) {
             return None;
         }
-        let ((scale, along_border), (together, in_one_frame)) = rayon::join(
+        let ((scale, along_border), (together, passing)) = rayon::join(
             || (scale(frames), neighbours(frames)),
             || {
                 let in_one_frame = together(frames, |frame, place| (frame, place));
-                (together(frames, |_, place| place), in_one_frame)
+                (together(frames, |_, place| place), [in_one_frame, lasting(frames)])
             },
         );
-        Some(Self { scale, along_border, together, in_one_frame })
+        let [in_one_frame, in_a_row] = passing;
+        let together = together.max(in_one_frame * in_a_row);
+        Some(Self { scale, along_border, together, in_one_frame, in_a_row })
     }
 
-    /// The factor of their cost within one frame: 1/(κ²λτ₁).
+    /// τ₁: how many looks at one place are worth one, but for what stays in all frames.
+    pub fn passes(&self) -> f64 {
+        self.in_one_frame * self.in_a_row
+    }
+
+    /// The factor of their cost as of what passes: 1/(κ²λτ₁).
     pub fn weight_in_frame(&self) -> f64 {
-        1.0 / (self.scale.powi(2) * self.along_border * self.in_one_frame)
+        1.0 / (self.scale.powi(2) * self.along_border * self.passes())
     }
 }
 
@@ -308,6 +321,17 @@ fn together<K: Ord>(frames: &[Vec<&PlacedResidual>], cluster: impl Fn(usize, Pla
         }
     }
     worth_one(clusters.values())
+}
+
+/// How many of one camera's looks at a place in a row are worth one.
+fn lasting(frames: &[Vec<&PlacedResidual>]) -> f64 {
+    let mut clusters: BTreeMap<(Place, Source), Vec<(usize, f64)>> = BTreeMap::new();
+    for (i, frame) in frames.iter().enumerate() {
+        for (cluster, (sum, weight)) in scores(frame) {
+            clusters.entry(cluster).or_default().push((i, sum / weight.max(1e-12)));
+        }
+    }
+    in_a_row(clusters.values().map(Vec::as_slice))
 }
 
 /// Adds y to the Σy and Σy² of a cluster.

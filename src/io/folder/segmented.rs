@@ -108,7 +108,10 @@ impl<'a> MaskFolder<'a> {
                 self.out.path().join(kind).join(folder).join(name)
             };
 
-            let mask = png::encode_mask(&cut.mask, Effort::Quick);
+            let mask = match &cut.labels {
+                Some(labels) => encoded(labels),
+                None => png::encode_mask(&cut.mask, Effort::Quick),
+            };
             write_encoded(&path("masks", "png"), mask)?;
             if self.extras.probability {
                 write_encoded(&path("probability", "png"), grey(&cut.probability))?;
@@ -171,7 +174,10 @@ fn overlay(picture: &Picture, mask: &Mask) -> Picture {
 }
 
 fn grey(probability: &Plane<f32>) -> io::Result<Vec<u8>> {
-    let grey = probability.map(|p| (255.0 * p).round() as u8);
+    encoded(&probability.map(|p| (255.0 * p).round() as u8))
+}
+
+fn encoded(grey: &Plane<u8>) -> io::Result<Vec<u8>> {
     let (width, height) = (grey.width(), grey.height());
     png::encode(grey.values(), width, height, ExtendedColorType::L8, Effort::Quick)
 }

@@ -1,18 +1,19 @@
 //! The 2-D detections of a recording: which frames have some, and where they put the person's joints.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use nalgebra::Point2;
 
 use super::cameras::{calibrated_name, same_number};
+use super::footage::Footage;
 use super::layout::numbered_files::{self, Wanted};
 use super::layout::visible;
 use super::manifest::CameraFiles;
 use super::{Recording, RecordingError};
 use crate::camera::{Camera, CameraId, Rig};
 use crate::io::detections::{self, KeypointSet, NamedPerson, Person};
-use crate::silhouette::{FrameIndex, Keypoint};
+use crate::silhouette::{FrameIndex, FramePeople, Keypoint};
 
 /// Where they are looked for if the manifest names no place: Pose2Sim's `pose/<camera>_json/`, or `pose/<camera>.csv` and `.json`.
 const FOLDER: &str = "pose";
@@ -35,7 +36,35 @@ pub(super) struct DetectionFiles {
     set: Option<KeypointSet>,
 }
 
+impl Recording {
+    /// All people whom other programs see in the frames of the pictures, in undistorted pixels; none without detections.
+    ///
+    /// # Errors
+    /// [`RecordingError`] for the first file that cannot be read or used.
+    pub fn people_in(&self, footage: &Footage) -> Result<Vec<FramePeople>, RecordingError> {
+        let rig = &footage.rig;
+        let files = DetectionFiles::find(self, rig, &self.stated(rig), footage.fps)?;
+        let all: BTreeSet<FrameIndex> =
+            files.cameras.iter().flat_map(|frames| frames.keys().copied()).collect();
+        all.into_iter().map(|frame| files.people(rig, frame)).collect()
+    }
+}
+
 impl DetectionFiles {
+    /// All people of a frame.
+    pub(super) fn people(
+        &self,
+        rig: &Rig,
+        frame: FrameIndex,
+    ) -> Result<FramePeople, RecordingError> {
+        let mut pictures = Vec::new();
+        for (id, camera) in rig.iter() {
+            let people = self.load((id, camera), frame)?;
+            pictures.extend((!people.is_empty()).then_some((id, people)));
+        }
+        Ok(FramePeople { frame, pictures })
+    }
+
     /// Whether a recording has detections, or its manifest names some.
     pub(super) fn are_promised(recording: &Recording) -> bool {
         let is_named = recording.manifest.cameras.iter().any(|c| c.detections.is_some());

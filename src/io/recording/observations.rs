@@ -161,12 +161,7 @@ impl ObservationFiles {
     pub fn load_people(&self, position: usize) -> Result<FramePeople, RecordingError> {
         let frame = self.frames.get(position).copied();
         let frame = frame.ok_or(RecordingError::NoFrame { position, count: self.frames.len() })?;
-        let mut pictures = Vec::new();
-        for (id, camera) in self.rig.iter() {
-            let people = self.detections.load((id, camera), frame)?;
-            pictures.extend((!people.is_empty()).then_some((id, people)));
-        }
-        Ok(FramePeople { frame, pictures })
+        self.detections.people(&self.rig, frame)
     }
 
     /// All people whom a camera's detections show in a frame, in undistorted pixels.

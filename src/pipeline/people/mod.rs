@@ -16,7 +16,7 @@
 //! 2. Peaks of consecutive frames are one person if nobody had to run faster than 5 m/s for it (`person/tracks.rs`). Who is there for less
 //!    than [`LEAST_SHARE`] of the frames is nobody. Where two who were apart before and after have one peak, each voxel is the nearer's.
 //! 3. Each one's share of the masks is what only their voxels show; to it a body is fitted, by Algorithm 1 with few keyframes.
-//! 4. These bodies give r; σ is 1.48 times the median of min_p |d_p|. Whose body covers their share less than a fit must, or lies within another's
+//! 4. These bodies give r; σ is 1.48 times the median of min_p |d_p|. To whom no body can be fitted, whose body covers their share less than a fit must, or lies within another's
 //!    body, is nobody: a thing, or a leg far ahead of its trunk. The others are fitted anew.
 //!
 //! Masks with a value for each person need none of this: a value is a person in all cameras ([`by_labels`]).
@@ -101,7 +101,13 @@ pub fn people(
             let voxels: Vec<_> = voxels.map(|own| own.map(|s| s.voxels.as_slice())).collect();
             share::by_voxels(&room, rig, frame, &voxels)
         });
-        let bodies = Bodies::fitted(model, rig, sequence.fps, options, &shares, progress)?;
+        let bodies = match Bodies::fitted(model, rig, sequence.fps, options, &shares, progress) {
+            Ok(bodies) => bodies,
+            Err(nobody) => {
+                remove(nobody, &room, &mut tracks);
+                continue;
+            }
+        };
 
         // 4. whose the borders are, and who is nobody
         let shares = bodies.shares(rig, sequence, &tracks);
@@ -111,14 +117,17 @@ pub fn people(
         let worst = (0..tracks.len()).filter(|person| !is_somebody(person));
         let seen = |person: &usize| overlaps[*person] * tracks[*person].frames.len() as f64;
         match worst.min_by(|a, b| seen(a).total_cmp(&seen(b))) {
-            Some(nobody) => {
-                let nobody = tracks.remove(nobody);
-                nobody.give(&room, &mut tracks);
-            }
+            Some(nobody) => remove(nobody, &room, &mut tracks),
             None => return Ok(measured_first(&tracks, shares)),
         }
     }
     Ok(Vec::new())
+}
+
+/// Takes one for nobody: what they filled is the others'.
+fn remove(nobody: usize, room: &Room, tracks: &mut Vec<Track>) {
+    let nobody = tracks.remove(nobody);
+    nobody.give(room, tracks);
 }
 
 /// A body that was fitted coarsely to each person.
@@ -128,6 +137,7 @@ struct Bodies<'a> {
 }
 
 impl<'a> Bodies<'a> {
+    /// A body for each share; else the position of the first to which none can be fitted, as to a thing that is much smaller.
     fn fitted(
         model: &'a BodyModel,
         rig: &Rig,
@@ -135,14 +145,15 @@ impl<'a> Bodies<'a> {
         options: &EstimateOptions,
         shares: &[Vec<FrameObservations>],
         progress: &dyn Progress,
-    ) -> Result<Self, FitError> {
+    ) -> Result<Self, usize> {
         let body = |frames: &Vec<FrameObservations>| {
             let keyframe_every = Some(frames.len().div_ceil(KEYFRAMES));
             let search = SearchOptions { keyframe_every, ..options.search.clone() };
             let coarse = EstimateOptions { joint: None, search, ..options.clone() };
             estimated(model, rig, Sequence { frames, fps }, &coarse, progress)
         };
-        Ok(Self { model, people: shares.iter().map(body).collect::<Result<_, _>>()? })
+        let people = shares.iter().enumerate().map(|(i, frames)| body(frames).map_err(|_| i));
+        Ok(Self { model, people: people.collect::<Result<_, _>>()? })
     }
 
     /// The body of everybody who is there in a frame.
@@ -364,3 +375,6 @@ pub(super) fn measured(people: &[Presence]) -> usize {
     let height = |p: &usize| people[*p].height_m;
     rest.into_iter().min_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or(0)
 }
+
+#[cfg(test)]
+mod tests;

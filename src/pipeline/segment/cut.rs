@@ -3,11 +3,13 @@
 use rayon::prelude::*;
 
 use super::SegmentOptions;
+use super::figures::{Figures, Told};
 use super::view::SegmentedView;
+use crate::camera::CameraId;
 use crate::image::{
     Mask, Picture, Plane, Region, Runs, box_mean, clean, enlarge, relax, sharpen, shrink,
 };
-use crate::silhouette::{ShrunkSize, Support};
+use crate::silhouette::{FrameIndex, ShrunkSize, Support};
 
 /// Below this evidence a pixel does not tell by itself what it shows.
 const UNDECIDED: f32 = 1.0;
@@ -22,6 +24,7 @@ pub struct Segmenter {
     pub(super) views: Vec<SegmentedView>,
     pub(super) support: Option<Support>,
     pub(super) shrunk: Vec<ShrunkSize>,
+    pub(super) figures: Figures,
     pub(super) options: SegmentOptions,
 }
 
@@ -30,6 +33,8 @@ pub struct Segmenter {
 pub struct Cut {
     /// Where the person is.
     pub mask: Mask,
+    /// Whose each of its pixels is, from 1 on, and 0 elsewhere, where detections show several people.
+    pub labels: Option<Plane<u8>>,
     /// How probable it is that a pixel shows the person, of each pixel.
     pub probability: Plane<f32>,
     /// How good the mask is likely to be.
@@ -58,12 +63,14 @@ struct Evidence {
     own: Vec<Option<Plane<f32>>>,
     together: Vec<Option<Plane<f32>>>,
     support: Vec<Option<Plane<f32>>>,
+    told: Vec<Option<Told>>,
 }
 
 /// Of each camera that has a picture.
 pub(super) struct KeyMasks {
     pub(super) masks: Vec<Option<Plane<u8>>>,
     pub(super) support: Vec<Option<Plane<f32>>>,
+    pub(super) told: Vec<Option<Told>>,
 }
 
 impl Segmenter {
@@ -85,13 +92,13 @@ impl Segmenter {
 
     /// The person in each picture of a frame; `None` for a camera without a picture, and for a picture most of which is
     /// other than the empty scene.
-    pub fn segment(&self, pictures: &[Option<Picture>]) -> Vec<Option<Cut>> {
+    pub fn segment(&self, frame: FrameIndex, pictures: &[Option<Picture>]) -> Vec<Option<Cut>> {
         let small: Vec<Option<Picture>> = pictures
             .par_iter()
             .zip(&self.shrunk)
             .map(|(picture, shrunk)| Some(shrink(picture.as_ref()?, shrunk.factor)))
             .collect();
-        let Evidence { own, together, .. } = self.evidence(&small);
+        let Evidence { own, together, told, .. } = self.evidence(frame, &small);
 
         let cut = |c: usize| {
             let (full, picture) = (pictures[c].as_ref()?, small[c].as_ref()?);
@@ -106,42 +113,65 @@ impl Segmenter {
             let mask = sharpen(&coarse, full, &self.options.border.scaled(shrunk.factor));
 
             let runs = Runs::from_mask(&mask);
-            Some(Cut { quality: quality(&runs, own, together, shrunk.factor), mask, probability })
+            let several = told[c].as_ref().filter(|_| self.figures.people() > 1);
+            Some(Cut {
+                quality: quality(&runs, own, together, shrunk.factor),
+                labels: several.map(|told| told.labels(&mask, shrunk.factor)),
+                mask,
+                probability,
+            })
         };
         (0..small.len()).into_par_iter().map(cut).collect()
     }
 
     /// The masks of a key frame, of its shrunk pictures, and what the other cameras say.
-    pub(super) fn key_masks(&self, pictures: &[Option<Picture>]) -> KeyMasks {
-        let Evidence { together, support, .. } = self.evidence(pictures);
-        let mask = |(evidence, picture): (&Option<Plane<f32>>, &Option<Picture>)| {
+    pub(super) fn key_masks(&self, frame: FrameIndex, pictures: &[Option<Picture>]) -> KeyMasks {
+        let Evidence { together, support, told, .. } = self.evidence(frame, pictures);
+        let mask = |((evidence, picture), told): ((&Option<_>, &Option<_>), &Option<Told>)| {
             let labels = self.labels(evidence.as_ref()?, picture.as_ref()?);
             let runs = Runs::from_mask(&Mask::brighter_than(&labels, 0.5));
-            Some(painted(&clean(&runs, &self.options.clean)))
+            let mut mask = painted(&clean(&runs, &self.options.clean));
+            told.iter().for_each(|told| told.add_bones(&mut mask));
+            Some(mask)
         };
-        KeyMasks { masks: together.par_iter().zip(pictures).map(mask).collect(), support }
+        let views = together.par_iter().zip(pictures).zip(&told);
+        KeyMasks { masks: views.map(mask).collect(), support, told }
     }
 
     /// Each camera's own evidence, and that with the support of the others.
-    fn evidence(&self, small: &[Option<Picture>]) -> Evidence {
+    fn evidence(&self, frame: FrameIndex, small: &[Option<Picture>]) -> Evidence {
         let own: Vec<Option<Plane<f32>>> = small
             .par_iter()
             .zip(&self.views)
             .map(|(picture, view)| Some(view.evidence(picture.as_ref()?, &self.options)))
             .map(|own| own.filter(|own| !is_another_scene(own)))
             .collect();
-        let Some(support) = &self.support else {
-            return Evidence { together: own.clone(), support: vec![None; own.len()], own };
-        };
+        let told: Vec<Option<Told>> = (self.shrunk.par_iter().enumerate())
+            .map(|(c, shrunk)| self.figures.told(frame, CameraId(c), shrunk))
+            .collect();
 
-        let support = support.by_others(&own);
-        let count = own.iter().flatten().count().saturating_sub(1);
-        let together: Vec<Option<Plane<f32>>> = (support.par_iter().zip(&own).zip(&self.views))
-            .map(|((others, own), view)| {
-                Some(view.supported(own.as_ref()?, others.as_ref()?, count, &self.options))
+        // what the other cameras say, and what is told
+        let others = match &self.support {
+            Some(support) => support.by_others(&own),
+            None => vec![None; own.len()],
+        };
+        let support: Vec<Option<Plane<f32>>> = (others.into_par_iter().zip(&told))
+            .map(|(others, told)| match told {
+                Some(told) => Some(told.over(others)),
+                None => others,
             })
             .collect();
-        Evidence { own, together, support }
+
+        let count = own.iter().flatten().count().saturating_sub(1);
+        let together: Vec<Option<Plane<f32>>> = (support.par_iter().zip(&own).zip(&self.views))
+            .map(|((support, own), view)| match (own, support) {
+                (Some(own), Some(support)) => {
+                    Some(view.supported(own, support, count, &self.options))
+                }
+                (own, _) => own.clone(),
+            })
+            .collect();
+        Evidence { own, together, support, told }
     }
 
     /// The labels, found within the box about what may be the person; background elsewhere.

@@ -24,15 +24,19 @@ impl Training {
                 .collect(),
             support: None,
             shrunk,
+            figures: self.figures.clone(),
             options: self.options,
         };
         for round in 0..self.options.rounds {
             // 2. masks of the key frames, by what is known so far
             let found: Vec<KeyMasks> =
-                self.keys.par_iter().map(|pictures| segmenter.key_masks(pictures)).collect();
+                self.keys.par_iter().map(|(frame, p)| segmenter.key_masks(*frame, p)).collect();
             // 3. where the person is
             if round == 0 && self.rig.cameras.len() > 1 {
-                let volume = subject::volume(&self.rig, &segmenter.shrunk, &found);
+                let volume = segmenter
+                    .figures
+                    .volume()
+                    .or_else(|| subject::volume(&self.rig, &segmenter.shrunk, &found));
                 segmenter.support = volume.map(|volume| {
                     Support::new(&self.rig, &segmenter.shrunk, &volume, self.options.support)
                 });
@@ -50,11 +54,12 @@ impl Training {
 
     /// The key frames of a camera: pictures, masks, and what the other cameras say.
     fn keys_of<'a>(&'a self, camera: usize, found: &'a [KeyMasks]) -> Vec<Key<'a>> {
-        let key = |(pictures, found): (&'a Vec<Option<Picture>>, &'a KeyMasks)| {
+        let key = |((_, pictures), found): (&'a (_, Vec<Option<Picture>>), &'a KeyMasks)| {
             Some(Key {
                 picture: pictures.get(camera)?.as_ref()?,
                 mask: found.masks.get(camera)?.as_ref()?,
                 support: found.support.get(camera).and_then(Option::as_ref),
+                about: found.told.get(camera)?.as_ref().map(|told| &told.about),
             })
         };
         self.keys.iter().zip(found).filter_map(key).collect()

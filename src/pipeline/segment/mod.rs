@@ -13,13 +13,15 @@
 //!
 //! [`segment`] does all of this with the pictures of a recording.
 //!
-//! Nothing here is told where the person is: whoever moves in the volume that all cameras see is.
+//! Where the person is nothing has to say: it is whoever moves in the volume that all cameras see. Detections of their joints may say it
+//! (`figures.rs`), and who of several is where.
 //!
 //! [`Support`]: crate::silhouette::Support
 //! [`relax`]: crate::image::relax
 //! [`sharpen`]: crate::image::sharpen
 
 mod cut;
+mod figures;
 mod learn;
 mod notes;
 mod sequence;

@@ -8,7 +8,7 @@ use super::notes::Notes;
 use super::{Cut, CutQuality, SegmentOptions, Segmenter, Training};
 use crate::camera::CameraId;
 use crate::image::Picture;
-use crate::pipeline::{PictureSource, Progress};
+use crate::pipeline::{Person, PictureSource, Progress};
 use crate::silhouette::FrameIndex;
 
 /// One frame with its masks.
@@ -42,7 +42,7 @@ pub struct Segmented {
     pub notes: Vec<String>,
 }
 
-/// Learns background and person from all pictures, and hands the masks of the frames of these numbers, both included, to `take`.
+/// Learns background and person from all pictures, where the detections of `people` say that they are, and hands the masks of the frames of these numbers, both included, to `take`.
 ///
 /// As many frames as there are threads are segmented at once, each handed over by its own thread.
 ///
@@ -50,19 +50,20 @@ pub struct Segmented {
 /// What `take` fails with, of the first frame.
 pub fn segment<E: Send>(
     pictures: &dyn PictureSource,
+    people: &[Person],
     frames: RangeInclusive<usize>,
     options: SegmentOptions,
     progress: &dyn Progress,
     take: impl Fn(&SegmentedFrame) -> Result<(), E> + Sync,
 ) -> Result<Segmented, E> {
     let mut notes = Notes::new(pictures.rig());
-    let segmenter = learn(pictures, options, progress, &mut notes);
+    let segmenter = learn(pictures, people, options, progress, &mut notes);
 
     let all = pictures.frames();
     let count = all.iter().filter(|frame| frames.contains(&frame.0)).count();
     progress.begin("masks", count);
     let cut = |(frame, pictures): (FrameIndex, Vec<Option<Picture>>)| {
-        let cuts = segmenter.segment(&pictures);
+        let cuts = segmenter.segment(frame, &pictures);
         let segmented = SegmentedFrame { frame, pictures, cuts };
         let taken = take(&segmented);
         progress.step();
@@ -93,13 +94,14 @@ pub fn segment<E: Send>(
 /// Learns background and person from the empty scenes and all pictures.
 fn learn(
     pictures: &dyn PictureSource,
+    people: &[Person],
     options: SegmentOptions,
     progress: &dyn Progress,
     notes: &mut Notes<'_>,
 ) -> Segmenter {
     let frames = pictures.frames().len();
     progress.begin("background", frames);
-    let mut training = Training::new(pictures.rig(), frames, options);
+    let mut training = Training::new(pictures.rig(), frames, options).told(people);
     for (camera, _) in pictures.rig().iter() {
         let mut empty = pictures.empty_scene(camera);
         for picture in empty.by_ref() {
@@ -109,8 +111,8 @@ fn learn(
     }
 
     let mut stream = pictures.pictures(0..=usize::MAX);
-    for (_, pictures) in stream.by_ref() {
-        training.add(&pictures);
+    for (frame, pictures) in stream.by_ref() {
+        training.add(frame, &pictures);
         progress.step();
     }
     notes.lines.extend(stream.notes());

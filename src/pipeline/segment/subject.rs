@@ -25,15 +25,17 @@ pub(super) fn volume(rig: &Rig, shrunk: &[ShrunkSize], keys: &[KeyMasks]) -> Opt
     // a mask of something else, far away, must not blow up the box
     let height = Vector3::new(0.0, 0.0, 1.0);
     let near = places.iter().filter(|place| (*place - middle).dot(&height).abs() < 1.0);
-    let near: Vec<_> = near.collect();
+    volume_about(&near.copied().collect::<Vec<_>>())
+}
+
+/// The box about people whose middles are at these places; `None` without any.
+pub(super) fn volume_about(middles: &[Point3<f64>]) -> Option<Volume> {
     let bound = |axis: usize, sign: f64| {
-        let ends = near.iter().map(|place| sign * place[axis]).fold(f64::NEG_INFINITY, f64::max);
-        sign * (ends + REACH[axis])
+        let ends = middles.iter().map(|place| sign * place[axis]).reduce(f64::max)?;
+        Some(sign * (ends + REACH[axis]))
     };
-    Some(Volume {
-        low: Point3::new(bound(0, -1.0), bound(1, -1.0), bound(2, -1.0)),
-        high: Point3::new(bound(0, 1.0), bound(1, 1.0), bound(2, 1.0)),
-    })
+    let corner = |sign: f64| Some(Point3::new(bound(0, sign)?, bound(1, sign)?, bound(2, sign)?));
+    Some(Volume { low: corner(-1.0)?, high: corner(1.0)? })
 }
 
 /// Where the lines of sight through the masks' middles meet; the camera that is most beside the point is left out once

@@ -1,10 +1,12 @@
 //! One pass over the pictures: every pixel's mixture, and the key frames.
 
 use super::SegmentOptions;
+use super::figures::Figures;
 use crate::camera::{Camera, CameraId, Rig};
 use crate::image::{Mixture, MixtureOptions, Picture, shrink};
 use crate::math::stats::median_of_counts;
-use crate::silhouette::ShrunkSize;
+use crate::pipeline::Person;
+use crate::silhouette::{FrameIndex, ShrunkSize};
 
 /// From so many pictures of the empty scene on its mixture is left as it is; fewer say too little of the noise.
 const ENOUGH_EMPTY: usize = 20;
@@ -23,8 +25,10 @@ pub struct Training {
     pub(super) rig: Rig,
     pub(super) options: SegmentOptions,
     pub(super) cameras: Vec<CameraTraining>,
-    /// Pictures of each key frame, shrunk.
-    pub(super) keys: Vec<Vec<Option<Picture>>>,
+    /// Each key frame and its pictures, shrunk.
+    pub(super) keys: Vec<(FrameIndex, Vec<Option<Picture>>)>,
+    /// Where detections show people.
+    pub(super) figures: Figures,
     frames: usize,
     seen: usize,
 }
@@ -53,9 +57,16 @@ impl Training {
             rig: rig.clone(),
             options,
             keys: Vec::new(),
+            figures: Figures::default(),
             frames,
             seen: 0,
         }
+    }
+
+    /// Takes what detections tell of where these people are.
+    pub fn told(mut self, people: &[Person]) -> Self {
+        self.figures = Figures::new(&self.rig, people);
+        self
     }
 
     /// Learns a picture of the empty scene; all of them come before the recording's.
@@ -68,7 +79,7 @@ impl Training {
     }
 
     /// Learns the pictures of the next frame.
-    pub fn add(&mut self, pictures: &[Option<Picture>]) {
+    pub fn add(&mut self, frame: FrameIndex, pictures: &[Option<Picture>]) {
         let options = self.options;
         let spacing = self.frames.div_ceil(options.training_pictures.max(1));
         let teaches = self.seen.is_multiple_of(spacing.max(1));
@@ -88,7 +99,7 @@ impl Training {
             small.push(picture);
         }
         if is_key {
-            self.keys.push(small);
+            self.keys.push((frame, small));
         }
     }
 }
@@ -235,8 +246,8 @@ mod tests {
         let mut training = Training::new(&ring.regular(), 20, SegmentOptions::default());
         let mut random = 3;
         training.add_empty(CameraId(0), &grainy(&mut random, 12.0));
-        for _ in 0..20 {
-            training.add(&[Some(grainy(&mut random, 12.0))]);
+        for frame in 0..20 {
+            training.add(FrameIndex(frame), &[Some(grainy(&mut random, 12.0))]);
         }
         let mixture = training.cameras[0].finished();
         let variances = (0..50).flat_map(|y| (0..80).map(move |x| (x, y)));

@@ -23,6 +23,8 @@ pub(super) struct Key<'a> {
     pub(super) mask: &'a Plane<u8>,
     /// What the other cameras say; `None` if they say nothing.
     pub(super) support: Option<&'a Plane<f32>>,
+    /// 1 where detections say that somebody may be.
+    pub(super) about: Option<&'a Plane<u8>>,
 }
 
 /// The hue's σ never falls below this, grey levels: rounding, and the blur of hues by codecs.
@@ -31,7 +33,7 @@ const LEAST_HUE: f32 = 2.5;
 /// What key frames tell of the person and of what is around.
 struct KnownColours<'a> {
     keys: &'a [Key<'a>],
-    /// 1 where the person ever was.
+    /// 1 where the person ever was, or may always have been.
     ever: &'a Plane<f32>,
     /// Colours of the person.
     person: &'a Colours,
@@ -114,7 +116,7 @@ impl SegmentedView {
         keys: &[Key<'_>],
         options: &SegmentOptions,
     ) {
-        // the person's colours, and where the person ever was
+        // the person's colours, and where the person ever was or may always have been
         let (width, height) = (self.background.width(), self.background.height());
         let mut person = ColourCount::default();
         let mut ever = Plane::filled(width, height, 0.0_f32);
@@ -132,6 +134,7 @@ impl SegmentedView {
         if person.total() < 1.0 {
             return;
         }
+        add_always(keys, &mut ever);
 
         // with them the background, chosen anew
         let person = person.density();
@@ -201,6 +204,18 @@ impl SegmentedView {
                 let trust = 1.0 / (1.0 + (-TRUST_SLOPE * sure.row(y)[x]).exp());
                 empty.trust =
                     if is_near(x, y) { trust.clamp(LEAST_DOUBT, 1.0 - LEAST_DOUBT) } else { 1.0 };
+            }
+        }
+    }
+}
+
+/// Adds where the person may have been in all key frames that tell: there the most frequent colour need not be the empty scene's.
+fn add_always(keys: &[Key<'_>], ever: &mut Plane<f32>) {
+    let told: Vec<&Plane<u8>> = keys.iter().filter_map(|key| key.about).collect();
+    for y in 0..ever.height() {
+        for (x, here) in ever.row_mut(y).iter_mut().enumerate() {
+            if !told.is_empty() && told.iter().all(|about| about.row(y)[x] == 1) {
+                *here = 1.0;
             }
         }
     }
