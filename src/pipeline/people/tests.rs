@@ -4,6 +4,7 @@ use nalgebra::Point3;
 
 use super::*;
 use crate::image::Mask;
+#[cfg(test)]
 use crate::io::model;
 use crate::pipeline::NoProgress;
 use crate::silhouette::{FrameIndex, SilhouetteOptions, extract};
