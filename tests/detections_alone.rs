@@ -228,8 +228,7 @@ fn frames_without_files_and_the_wrong_name_of_a_set_are_read_or_told() {
 fn a_table_of_each_camera_says_what_the_files_of_all_pictures_say() {
     let walker = walker();
     let folder = project(&walker, text_of(&walker));
-    let wanted = observed(folder.path());
-    let wanted = wanted.expect("detections");
+    let wanted = observed(folder.path()).expect("detections");
 
     let tables = tempfile::tempdir().expect("a folder");
     let mut manifest = String::from("fps = 25\n");
@@ -361,8 +360,7 @@ fn array(walker: &Synthetic) -> Vec<u8> {
 fn freemocaps_array_of_all_cameras_says_what_the_files_of_all_pictures_say() {
     let walker = walker();
     let folder = project(&walker, text_of(&walker));
-    let wanted = observed(folder.path());
-    let wanted = wanted.expect("detections");
+    let wanted = observed(folder.path()).expect("detections");
 
     let bytes = array(&walker);
     let session = tempfile::tempdir().expect("a folder");

@@ -16,6 +16,11 @@ use nalgebra::{Point2, Point3, Vector3};
 const SIZE: (u32, u32) = (120, 100);
 const FRAMES: usize = 12;
 
+/// The pixels of a picture, row by row.
+fn pixels() -> impl Iterator<Item = (usize, usize)> {
+    (0..SIZE.1 as usize).flat_map(|y| (0..SIZE.0 as usize).map(move |x| (x, y)))
+}
+
 fn rig() -> Rig {
     let ring = Ring {
         cameras: 4,
@@ -51,9 +56,8 @@ fn is_ellipsoid(rig: &Rig, camera: usize, centre: &Point3<f64>, (x, y): (usize, 
 }
 
 fn picture(camera: usize, frame: usize, is_foreground: impl Fn(usize, usize) -> bool) -> Picture {
-    let places = (0..SIZE.1 as usize).flat_map(|y| (0..SIZE.0 as usize).map(move |x| (x, y)));
     let mut random = (camera * 1009 + frame * 31 + 1) as u32;
-    let colours = places.map(|(x, y)| {
+    let colours = pixels().map(|(x, y)| {
         random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         let grain = (random >> 24) as i32 % 7 - 3;
         let tile = ((x / 10 + y / 8 + camera) % 3) as i32 * 35;
@@ -270,8 +274,7 @@ fn share(
     at: &Point3<f64>,
     is_theirs: impl Fn(usize, usize) -> bool,
 ) -> f64 {
-    let pixels = (0..SIZE.1 as usize).flat_map(|y| (0..SIZE.0 as usize).map(move |x| (x, y)));
-    let own: Vec<_> = pixels.filter(|pixel| is_ellipsoid(rig, camera, at, *pixel)).collect();
+    let own: Vec<_> = pixels().filter(|pixel| is_ellipsoid(rig, camera, at, *pixel)).collect();
     own.iter().filter(|(x, y)| is_theirs(*x, *y)).count() as f64 / own.len() as f64
 }
 
@@ -283,8 +286,7 @@ fn apart(rig: &Rig, one: &Point3<f64>, other: &Point3<f64>) -> usize {
 
 /// The share of a mask's pixels that are somebody's.
 fn share_of(mask: &Mask, is_theirs: impl Fn(usize, usize) -> bool) -> f64 {
-    let pixels = (0..SIZE.1 as usize).flat_map(|y| (0..SIZE.0 as usize).map(move |x| (x, y)));
-    let of_mask: Vec<_> = pixels.filter(|(x, y)| mask.is_foreground(*x, *y)).collect();
+    let of_mask: Vec<_> = pixels().filter(|(x, y)| mask.is_foreground(*x, *y)).collect();
     let theirs = of_mask.iter().filter(|(x, y)| is_theirs(*x, *y));
     theirs.count() as f64 / of_mask.len().max(1) as f64
 }
@@ -338,6 +340,24 @@ fn two_people_have_a_value_each() {
     assert_eq!(labels.get(2, 2), Some(0));
 }
 
+/// The second is detected by all cameras but this one, which has them in its mask.
+#[test]
+fn who_was_not_detected_in_a_picture_is_not_taken_for_who_was() {
+    let rig = rig();
+    let other = |frame: usize| Point3::new(0.4 - 0.09 * frame as f64, 0.9, 0.9);
+    let c = apart(&rig, &walking(1), &other(1));
+    let mut hidden = person(&rig, other);
+    hidden.detections.iter_mut().for_each(|(_, seen)| seen.retain(|(camera, _)| camera.0 != c));
+    let told = cuts(&rig, &[&walking, &other], &[person(&rig, walking), hidden], 1);
+
+    let in_mask = share(&rig, c, &other(1), |x, y| told[c].mask.is_foreground(x, y));
+    assert!(in_mask > 0.85, "{in_mask}");
+    let labels = told[c].labels.as_ref().expect("two people");
+    let first = |at: &Point3<f64>| share(&rig, c, at, |x, y| labels.get(x, y) == Some(1));
+    assert!(first(&walking(1)) > 0.85, "{}", first(&walking(1)));
+    assert!(first(&other(1)) < 0.1, "{}", first(&other(1)));
+}
+
 #[test]
 fn support_is_high_where_all_others_agree_and_low_elsewhere() {
     let rig = rig();
@@ -345,8 +365,7 @@ fn support_is_high_where_all_others_agree_and_low_elsewhere() {
     let volume = Volume { low: Point3::new(-1.3, -1.3, -0.2), high: Point3::new(1.3, 1.3, 2.2) };
     let support = Support::new(&rig, &[shrunk; 4], &volume, SupportOptions::default());
     let evidence = |c: usize| {
-        let places = (0..shrunk.height).flat_map(|y| (0..shrunk.width).map(move |x| (x, y)));
-        let values = places.map(|place| if is_person(&rig, c, 6, place) { 4.0 } else { -4.0 });
+        let values = pixels().map(|place| if is_person(&rig, c, 6, place) { 4.0 } else { -4.0 });
         Plane::from_values(shrunk.width, shrunk.height, values.collect())
     };
     // the first camera sees nobody: the others know better

@@ -127,7 +127,7 @@ impl Joints {
 fn sights<'a>(rig: &'a Rig, detections: &[(CameraId, Detection)], name: &str) -> Vec<Sight<'a>> {
     let sight = |(id, detection): &(CameraId, Detection)| {
         let camera = rig.camera(*id)?;
-        let seen = detection.keypoints.iter().find(|k| k.name == name)?;
+        let seen = detection.keypoint(name)?;
         let (pixel, sigma_px) = (seen.pixel, SPREAD * detection.size_px);
         Some(Sight { camera, pixel, sigma_px, ray: camera.ray(&pixel) })
     };

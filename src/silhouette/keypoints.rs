@@ -47,6 +47,11 @@ impl Detection {
         let size_px = (0.5 * size.x.max(narrowest) * size.y.max(narrowest)).sqrt();
         (size_px > 0.0).then_some(Self { keypoints, size_px })
     }
+
+    /// The keypoint of a name.
+    pub fn keypoint(&self, name: &str) -> Option<&Keypoint> {
+        self.keypoints.iter().find(|keypoint| keypoint.name == name)
+    }
 }
 
 /// How far keypoints lie from where a body has them, undistorted px; of those that it has, and that are before the camera.

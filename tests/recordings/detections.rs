@@ -32,7 +32,7 @@ fn with_detections() -> TempDir {
 
 fn noses(frame: &FrameObservations) -> Vec<(usize, f64, usize)> {
     let nose = |(id, d): &(maquette::camera::CameraId, maquette::silhouette::Detection)| {
-        let nose = d.keypoints.iter().find(|k| k.name == "Nose").expect("a nose");
+        let nose = d.keypoint("Nose").expect("a nose");
         (id.0, nose.pixel.x, d.keypoints.len())
     };
     frame.detections.iter().map(nose).collect()

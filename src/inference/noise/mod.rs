@@ -188,8 +188,9 @@ impl SurfaceNoise {
         let ((scale, along_border), (together, passing)) = rayon::join(
             || (scale(frames), neighbours(frames)),
             || {
-                let in_one_frame = together(frames, |frame, place| (frame, place));
-                (together(frames, |_, place| place), [in_one_frame, lasting(frames)])
+                let looks = looks(frames);
+                let in_one_frame = together(&looks, |frame, place| (frame, place));
+                (together(&looks, |_, place| place), [in_one_frame, lasting(&looks)])
             },
         );
         let [in_one_frame, in_a_row] = passing;
@@ -311,24 +312,36 @@ fn places_apart((_, a): &Place, (_, b): &Place) -> usize {
     squares.sum::<f64>().sqrt().round() as usize
 }
 
-/// τ, or τ₁, of the looks that `cluster` puts together by their frame and place.
-fn together<K: Ord>(frames: &[Vec<&PlacedResidual>], cluster: impl Fn(usize, Place) -> K) -> f64 {
+/// y of one place of the body in one view of a frame.
+type Look = ((Place, Source), f64);
+
+/// The looks of every frame.
+fn looks(frames: &[Vec<&PlacedResidual>]) -> Vec<Vec<Look>> {
+    let of_frame = |frame: &Vec<&PlacedResidual>| {
+        let scores = scores(frame).into_iter();
+        scores.map(|(at, (sum, weight))| (at, sum / weight.max(1e-12))).collect()
+    };
+    frames.iter().map(of_frame).collect()
+}
+
+/// How many of the looks that `cluster` puts together by their frame and place are worth one.
+fn together<K: Ord>(looks: &[Vec<Look>], cluster: impl Fn(usize, Place) -> K) -> f64 {
     // Σy and Σy² of each cluster
     let mut clusters: BTreeMap<K, (f64, f64)> = BTreeMap::new();
-    for (i, frame) in frames.iter().enumerate() {
-        for ((place, _), (sum, weight)) in scores(frame) {
-            add(clusters.entry(cluster(i, place)).or_default(), sum / weight.max(1e-12));
+    for (i, frame) in looks.iter().enumerate() {
+        for ((place, _), y) in frame {
+            add(clusters.entry(cluster(i, *place)).or_default(), *y);
         }
     }
     worth_one(clusters.values())
 }
 
 /// How many of one camera's looks at a place in a row are worth one.
-fn lasting(frames: &[Vec<&PlacedResidual>]) -> f64 {
+fn lasting(looks: &[Vec<Look>]) -> f64 {
     let mut clusters: BTreeMap<(Place, Source), Vec<(usize, f64)>> = BTreeMap::new();
-    for (i, frame) in frames.iter().enumerate() {
-        for (cluster, (sum, weight)) in scores(frame) {
-            clusters.entry(cluster).or_default().push((i, sum / weight.max(1e-12)));
+    for (i, frame) in looks.iter().enumerate() {
+        for (cluster, y) in frame {
+            clusters.entry(*cluster).or_default().push((i, *y));
         }
     }
     in_a_row(clusters.values().map(Vec::as_slice))

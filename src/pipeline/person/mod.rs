@@ -185,7 +185,7 @@ impl Seen {
     fn miss(&self, rig: &Rig, joints: &[(&'static str, Point3<f64>)]) -> Option<f64> {
         let camera = rig.camera(self.camera)?;
         let off = |name: &str, at: &Point3<f64>| {
-            let seen = self.detection.keypoints.iter().find(|k| k.name == name)?;
+            let seen = self.detection.keypoint(name)?;
             let at = camera.project_undistorted(at);
             let off = at.map_or(f64::INFINITY, |at| (seen.pixel - at).norm());
             Some(off / self.detection.size_px)

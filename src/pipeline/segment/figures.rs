@@ -5,14 +5,17 @@
 //!
 //! t(x) = 1 where δ < 0.05, 0 from there to 0.5, and from 0.5 to 0.75 down to −1.
 //!
-//! 0.05 s is the wrist's radius. Nearer than 0.25 s, 13 cm, may be the person, who is nowhere thicker about a bone. 0.5 s, 27 cm, is what hangs farther from the joints than anything else, hand or foot (.11 H beyond the wrist, .15 H
-//! beyond the ankle; Drillis and Contini 1966), and some cloth. A detection that lacks a limb tells nothing of what is far.
+//! - 0.05 s, 3 cm, is a wrist's radius.
+//! - Nearer than 0.25 s, 13 cm, may be the person, who is nowhere thicker about a bone.
+//! - 0.5 s, 27 cm: a hand ends .11 H beyond the wrist, a foot .15 H beyond the ankle (Drillis and Contini 1966). The rest is for cloth.
+//!
+//! A detection that lacks a limb tells nothing of what is far.
 //!
 //! Of several people each pixel is the one's to whom it is nearest.
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Point2, Point3, Vector2};
+use nalgebra::{Point2, Vector2};
 
 use super::subject;
 use crate::camera::{Camera, CameraId, Rig};
@@ -52,6 +55,7 @@ const HEAD: f64 = 0.6;
 pub(super) struct Figures {
     rig: Rig,
     people: usize,
+    volume: Option<Volume>,
     /// Of each frame the camera and the position of each person, and what is seen of them.
     frames: BTreeMap<FrameIndex, Vec<(CameraId, usize, Detection)>>,
 }
@@ -59,23 +63,40 @@ pub(super) struct Figures {
 /// What the detections tell of one picture.
 #[derive(Clone, Debug)]
 pub(super) struct Told {
-    /// From −1, nobody is here, to 1, somebody is.
-    presence: Plane<f32>,
-    /// 1 where somebody may be.
-    pub(super) about: Plane<u8>,
+    /// δ of each pixel, up to where nobody is.
+    distances: Plane<f32>,
     /// Who is nearest, by position.
     nearest: Plane<u8>,
+    /// Whether every limb of everybody was detected, so that what is far is nobody.
+    is_whole: bool,
 }
 
 impl Told {
+    /// t: from −1, nobody is here, to 1, somebody is.
+    fn presence(&self, distance: f32) -> f32 {
+        match distance {
+            on if on < ON_BONE => 1.0,
+            _ if !self.is_whole => 0.0,
+            off => -((off - FAR[0]) / (FAR[1] - FAR[0])).clamp(0.0, 1.0),
+        }
+    }
+
+    /// Whether somebody may be here.
+    pub(super) fn is_about(&self, x: usize, y: usize) -> bool {
+        self.distances.row(y)[x] < ABOUT
+    }
+
     /// The other cameras' support of each pixel, or what is told where that says more.
     pub(super) fn over(&self, others: Option<Plane<f32>>) -> Plane<f32> {
-        let Some(mut support) = others else { return self.presence.clone() };
+        let told = self.distances.map(|distance| self.presence(distance));
+        let Some(mut support) = others else { return told };
         for y in 0..support.height() {
-            for (support, told) in support.row_mut(y).iter_mut().zip(self.presence.row(y)) {
-                if told.abs() > 0.0 {
-                    *support = if *told > 0.0 { support.max(*told) } else { support.min(*told) };
-                }
+            for (support, told) in support.row_mut(y).iter_mut().zip(told.row(y)) {
+                *support = match *told {
+                    here if here > 0.0 => support.max(here),
+                    absent if absent < 0.0 => support.min(absent),
+                    _ => *support,
+                };
             }
         }
         support
@@ -84,21 +105,24 @@ impl Told {
     /// Adds the bones to a mask of 0 and 1.
     pub(super) fn add_bones(&self, mask: &mut Plane<u8>) {
         for y in 0..mask.height() {
-            for (pixel, told) in mask.row_mut(y).iter_mut().zip(self.presence.row(y)) {
-                *pixel = (*pixel).max(u8::from(*told > 0.0));
+            for (pixel, distance) in mask.row_mut(y).iter_mut().zip(self.distances.row(y)) {
+                *pixel = (*pixel).max(u8::from(*distance < ON_BONE));
             }
         }
     }
 
-    /// Whose each pixel of a mask is, from 1 on; of a picture of which so many pixels along each side became one.
+    /// Whose each pixel of a mask is, from 1 on, 0 of one that is too far from everybody; of a picture of which so many pixels along each
+    /// side became one.
     pub(super) fn labels(&self, mask: &Mask, factor: usize) -> Plane<u8> {
         let last = [self.nearest.width() - 1, self.nearest.height() - 1];
         let mut labels = Plane::filled(mask.width(), mask.height(), 0);
         for y in 0..mask.height() {
-            let nearest = self.nearest.row((y / factor).min(last[1]));
+            let row = (y / factor).min(last[1]);
+            let (nearest, distances) = (self.nearest.row(row), self.distances.row(row));
             for (x, label) in labels.row_mut(y).iter_mut().enumerate() {
-                if mask.is_foreground(x, y) {
-                    *label = nearest[(x / factor).min(last[0])] + 1;
+                let column = (x / factor).min(last[0]);
+                if mask.is_foreground(x, y) && distances[column] < FAR[1] {
+                    *label = nearest[column] + 1;
                 }
             }
         }
@@ -108,14 +132,16 @@ impl Told {
 
 impl Figures {
     pub(super) fn new(rig: &Rig, people: &[Person]) -> Self {
-        let mut frames: BTreeMap<FrameIndex, Vec<_>> = BTreeMap::new();
+        let (mut frames, mut middles) = (BTreeMap::<FrameIndex, Vec<_>>::new(), Vec::new());
         for (who, person) in people.iter().enumerate() {
             for (frame, seen) in &person.detections {
+                middles.extend(Joints::new(rig, seen).map(|joints| joints.middle()));
                 let seen = seen.iter().map(|(camera, d)| (*camera, who, d.clone()));
                 frames.entry(*frame).or_default().extend(seen);
             }
         }
-        Self { rig: rig.clone(), people: people.len(), frames }
+        let volume = subject::volume_about(&middles);
+        Self { rig: rig.clone(), people: people.len(), frames, volume }
     }
 
     /// How many people there are.
@@ -125,15 +151,7 @@ impl Figures {
 
     /// The box in which the people move; `None` if no two cameras see anybody together.
     pub(super) fn volume(&self) -> Option<Volume> {
-        let middle = |seen: &Vec<(CameraId, usize, Detection)>, who: usize| {
-            let own = seen.iter().filter(|(_, is, _)| *is == who);
-            let own: Vec<_> = own.map(|(camera, _, d)| (*camera, d.clone())).collect();
-            Some(Joints::new(&self.rig, &own)?.middle())
-        };
-        let places = (0..self.people)
-            .flat_map(|who| self.frames.values().filter_map(move |seen| middle(seen, who)));
-        let places: Vec<Point3<f64>> = places.collect();
-        subject::volume_about(&places)
+        self.volume
     }
 
     /// What is told of a picture; `None` where nobody was detected.
@@ -145,32 +163,26 @@ impl Figures {
     ) -> Option<Told> {
         let calibrated = self.rig.camera(camera)?;
         let all = self.frames.get(&frame)?;
-        let seen = all.iter().filter(|(of, ..)| *of == camera);
-        let mut distances = Plane::filled(shrunk.width, shrunk.height, FAR[1]);
-        let mut nearest = Plane::filled(shrunk.width, shrunk.height, 0);
-        // who is known to be there and was not detected here may be anywhere
-        let is_here = |who: &usize| all.iter().any(|(of, is, _)| *of == camera && is == who);
-        let mut is_whole = all.iter().all(|(_, who, _)| is_here(who));
-        let mut is_any = false;
-        for (_, who, detection) in seen {
-            is_any = true;
-            is_whole &= LIMBS.iter().all(|name| place(detection, name).is_some());
-            let figure = Figure::new(calibrated, shrunk, detection);
-            figure.bones.iter().for_each(|bone| {
-                figure.add(bone, &mut distances, |x, y| nearest.row_mut(y)[x] = *who as u8);
-            });
+        let here: Vec<_> = all.iter().filter(|(of, ..)| *of == camera).collect();
+        if here.is_empty() {
+            return None;
         }
 
-        let presence = |distance: f32| match distance {
-            on if on < ON_BONE => 1.0,
-            _ if !is_whole => 0.0,
-            off => -((off - FAR[0]) / (FAR[1] - FAR[0])).clamp(0.0, 1.0),
+        // who is known to be there and was not detected here may be anywhere, and so may be a limb
+        let is_here = |who: &usize| here.iter().any(|(_, is, _)| is == who);
+        let has_limbs =
+            |detection: &Detection| LIMBS.iter().all(|name| detection.keypoint(name).is_some());
+        let mut told = Told {
+            distances: Plane::filled(shrunk.width, shrunk.height, FAR[1]),
+            nearest: Plane::filled(shrunk.width, shrunk.height, 0),
+            is_whole: all.iter().all(|(_, who, _)| is_here(who))
+                && here.iter().all(|(.., detection)| has_limbs(detection)),
         };
-        is_any.then(|| Told {
-            presence: distances.map(presence),
-            about: distances.map(|distance| u8::from(distance < ABOUT)),
-            nearest,
-        })
+        for (_, who, detection) in here {
+            let figure = Figure::new(calibrated, shrunk, detection);
+            figure.bones.iter().for_each(|bone| figure.add(bone, *who as u8, &mut told));
+        }
+        Some(told)
     }
 }
 
@@ -202,13 +214,9 @@ impl Figure {
         Self { size_px: detection.size_px / factor, bones }
     }
 
-    /// Where a bone is the nearest so far, its distances, of which `visit` is told.
-    fn add(
-        &self,
-        Bone { ends: [from, to], least }: &Bone,
-        distances: &mut Plane<f32>,
-        mut visit: impl FnMut(usize, usize),
-    ) {
+    /// Adds a bone of somebody, where it is the nearest so far.
+    fn add(&self, Bone { ends: [from, to], least }: &Bone, who: u8, told: &mut Told) {
+        let (width, height) = (told.distances.width(), told.distances.height());
         let reach = Vector2::repeat(f64::from(FAR[1]) * self.size_px);
         let (low, high) = (from.inf(to) - reach, from.sup(to) + reach);
         let within = |low: f64, high: f64, count: usize| {
@@ -216,17 +224,15 @@ impl Figure {
         };
         let along = to - from;
         let square = along.norm_squared().max(f64::MIN_POSITIVE);
-        let (columns, rows) =
-            (within(low.x, high.x, distances.width()), within(low.y, high.y, distances.height()));
-        for y in rows {
-            for x in columns.clone() {
+        for y in within(low.y, high.y, height) {
+            for x in within(low.x, high.x, width) {
                 let offset = Point2::new(x as f64, y as f64) - from;
                 let share = (offset.dot(&along) / square).clamp(0.0, 1.0);
                 let distance = ((offset - along * share).norm() / self.size_px) as f32;
                 let distance = distance.max(*least);
-                if distance < distances.row(y)[x] {
-                    distances.row_mut(y)[x] = distance;
-                    visit(x, y);
+                if distance < told.distances.row(y)[x] {
+                    told.distances.row_mut(y)[x] = distance;
+                    told.nearest.row_mut(y)[x] = who;
                 }
             }
         }
@@ -235,7 +241,7 @@ impl Figure {
 
 /// Where a point was seen, undistorted pixels.
 fn place(detection: &Detection, name: &str) -> Option<Point2<f64>> {
-    detection.keypoints.iter().find(|k| k.name == name).map(|k| k.pixel)
+    detection.keypoint(name).map(|k| k.pixel)
 }
 
 /// From the middle of the shoulders to the top of the head of one who holds it straight.

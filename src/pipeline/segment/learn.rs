@@ -33,10 +33,9 @@ impl Training {
                 self.keys.par_iter().map(|(frame, p)| segmenter.key_masks(*frame, p)).collect();
             // 3. where the person is
             if round == 0 && self.rig.cameras.len() > 1 {
-                let volume = segmenter
-                    .figures
-                    .volume()
-                    .or_else(|| subject::volume(&self.rig, &segmenter.shrunk, &found));
+                let masks = found.iter().map(|key| key.masks.as_slice());
+                let by_masks = || subject::volume(&self.rig, &segmenter.shrunk, masks);
+                let volume = segmenter.figures.volume().or_else(by_masks);
                 segmenter.support = volume.map(|volume| {
                     Support::new(&self.rig, &segmenter.shrunk, &volume, self.options.support)
                 });
@@ -59,7 +58,7 @@ impl Training {
                 picture: pictures.get(camera)?.as_ref()?,
                 mask: found.masks.get(camera)?.as_ref()?,
                 support: found.support.get(camera).and_then(Option::as_ref),
-                about: found.told.get(camera)?.as_ref().map(|told| &told.about),
+                told: found.told.get(camera).and_then(Option::as_ref),
             })
         };
         self.keys.iter().zip(found).filter_map(key).collect()

@@ -42,7 +42,8 @@ pub struct Segmented {
     pub notes: Vec<String>,
 }
 
-/// Learns background and person from all pictures, where the detections of `people` say that they are, and hands the masks of the frames of these numbers, both included, to `take`.
+/// Learns background and person from all pictures, and hands the masks of the frames of these numbers, both included, to `take`. The
+/// detections of `people`, if there are any, say where they are.
 ///
 /// As many frames as there are threads are segmented at once, each handed over by its own thread.
 ///

@@ -2,7 +2,6 @@
 
 use nalgebra::{Point2, Point3, Vector3};
 
-use super::cut::KeyMasks;
 use crate::camera::{Ray, Rig, closest_point};
 use crate::image::Plane;
 use crate::silhouette::{ShrunkSize, Volume};
@@ -12,10 +11,13 @@ const REACH: [f64; 3] = [1.3, 1.3, 1.5];
 /// Lines of sight through one person's middle pass each other within this, metres.
 const MISS: f64 = 0.5;
 
-/// The box in which the person moves; `None` if no two cameras agree on where that is in any frame.
-pub(super) fn volume(rig: &Rig, shrunk: &[ShrunkSize], keys: &[KeyMasks]) -> Option<Volume> {
-    let places: Vec<Point3<f64>> =
-        keys.iter().filter_map(|masks| place(rig, shrunk, &masks.masks)).collect();
+/// The box in which the person moves, from the masks of some frames; `None` if no two cameras agree on where that is in any frame.
+pub(super) fn volume<'a>(
+    rig: &Rig,
+    shrunk: &[ShrunkSize],
+    frames: impl Iterator<Item = &'a [Option<Plane<u8>>]>,
+) -> Option<Volume> {
+    let places: Vec<Point3<f64>> = frames.filter_map(|masks| place(rig, shrunk, masks)).collect();
     let middle = |axis: usize| {
         let mut values: Vec<f64> = places.iter().map(|place| place[axis]).collect();
         values.sort_by(f64::total_cmp);

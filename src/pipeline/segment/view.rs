@@ -1,6 +1,7 @@
 //! What one camera knows of the empty scene and of the person.
 
 use super::SegmentOptions;
+use super::figures::Told;
 use crate::image::{
     Background, BackgroundPixel, ColourCount, Colours, Mixture, Mode, Picture, Plane, box_mean,
 };
@@ -23,8 +24,8 @@ pub(super) struct Key<'a> {
     pub(super) mask: &'a Plane<u8>,
     /// What the other cameras say; `None` if they say nothing.
     pub(super) support: Option<&'a Plane<f32>>,
-    /// 1 where detections say that somebody may be.
-    pub(super) about: Option<&'a Plane<u8>>,
+    /// What detections say; `None` if they say nothing.
+    pub(super) told: Option<&'a Told>,
 }
 
 /// The hue's σ never falls below this, grey levels: rounding, and the blur of hues by codecs.
@@ -211,10 +212,13 @@ impl SegmentedView {
 
 /// Adds where the person may have been in all key frames that tell: there the most frequent colour need not be the empty scene's.
 fn add_always(keys: &[Key<'_>], ever: &mut Plane<f32>) {
-    let told: Vec<&Plane<u8>> = keys.iter().filter_map(|key| key.about).collect();
+    let told: Vec<&Told> = keys.iter().filter_map(|key| key.told).collect();
+    if told.is_empty() {
+        return;
+    }
     for y in 0..ever.height() {
         for (x, here) in ever.row_mut(y).iter_mut().enumerate() {
-            if !told.is_empty() && told.iter().all(|about| about.row(y)[x] == 1) {
+            if told.iter().all(|told| told.is_about(x, y)) {
                 *here = 1.0;
             }
         }
