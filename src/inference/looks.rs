@@ -140,7 +140,7 @@ impl Evidence<'_> {
     }
 
     /// One look at the outlines and one at the detections of each camera, and one at the points.
-    fn looks<'f>(&self, frame: &'f FrameObservations, detail: Detail) -> Vec<Look<'f>> {
+    pub(crate) fn looks<'f>(&self, frame: &'f FrameObservations, detail: Detail) -> Vec<Look<'f>> {
         let subject = hull::subject(self.rig, frame);
         let views = frame.views.iter().zip(self.view_terms(frame, detail));
         let views =

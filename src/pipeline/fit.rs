@@ -6,6 +6,7 @@ use super::diagnosis::{CameraFaults, Cleared, Seen};
 use super::estimate::{Estimate, LastStage};
 use super::fitted::{FittedFrame, TriedHypothesis};
 use super::judged::Judge;
+use super::jumps::{Settled, shown_number};
 use super::measures::Measures;
 use super::quality::{self, CameraQuality};
 use super::strayed::Strayed;
@@ -138,13 +139,14 @@ fn stages(
     let (evidence, progress) = (&detailed, journal.progress);
     let stage = LastStage { evidence, sequence, measures, options, faults: &faults, progress };
     let winner = &found.trials[found.winner];
-    let first = stage.run(winner);
-    let strayed = Strayed::of(&first.0, rig, sequence.frames);
+    let Settled { estimate, measure, frames, faults, causes: jumps } = Settled::new(&stage, winner);
+    let strayed = Strayed::of(&estimate, rig, &frames);
     let others = strayed.as_ref().map(|strayed| (&strayed.frames[..], &strayed.faults));
-    let (frames, faults) = others.unwrap_or((sequence.frames, &faults));
+    let (frames, faults) = others.unwrap_or((&frames, &faults));
     let sequence = Sequence { frames, ..sequence };
     let stage = LastStage { sequence, faults, ..stage };
-    let (estimate, measure) = if strayed.is_some() { stage.run(winner) } else { first };
+    let (estimate, measure) =
+        if strayed.is_some() { stage.run(winner) } else { (estimate, measure) };
 
     // how well the body covers the masks; where it leaves them, the person wears or carries something
     let frames = estimate.frames(&body, sequence, options, measure);
@@ -164,7 +166,7 @@ fn stages(
     notes.extend(facing_warning(&coarse, &hypotheses, found.winner, estimate.data_weight()));
 
     // 5. what it is worth, and what a person should know of it
-    let mut left_out = cleared.causes.clone();
+    let mut left_out = [cleared.causes.clone(), jumps].concat();
     left_out.extend(strayed.as_ref().map(|strayed| strayed.cause.clone()));
     left_out.extend(worn);
     let judge =
@@ -175,14 +177,20 @@ fn stages(
 }
 
 impl Fit {
-    /// The motion that each camera shows in each frame of a recording at `fps`, by its own clock.
+    /// The motion that each camera shows in each frame of a recording at `fps`, by its own clock; after frames that it has lost, that of
+    /// so many frames later.
     pub fn shown(&self, fps: f64) -> impl Fn(usize, CameraId) -> Motion + Sync {
         let motions: Vec<Motion> = self.frames.iter().map(|f| f.fit.motion.clone()).collect();
         let first = self.frames.first().map_or(0, |f| f.frame.0);
         let times_s: Vec<f64> =
             self.frames.iter().map(|f| (f.frame.0 - first) as f64 / fps).collect();
         let layout = Layout::new(&self.model);
-        move |i, id| self.cameras[id.0].found.shown(layout, &motions, &times_s, i)
+        move |i, id| {
+            let number = shown_number(&self.rig, self.verdict.jumps(), id, self.frames[i].frame);
+            let later = self.frames.partition_point(|frame| frame.frame.0 < number);
+            let last = self.frames.len() - 1;
+            self.cameras[id.0].found.shown(layout, &motions, &times_s, later.min(last))
+        }
     }
 }
 

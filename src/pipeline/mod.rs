@@ -25,6 +25,7 @@ mod frame_range;
 mod hidden;
 mod joint_stage;
 mod judged;
+mod jumps;
 mod lenses;
 mod measures;
 mod memory;

@@ -36,13 +36,7 @@ fn without(
     frames: &[FrameObservations],
     is_left_out: impl Fn(CameraId) -> bool,
 ) -> Option<Strayed> {
-    let shows = |id: CameraId| {
-        let has = |frame: &FrameObservations| {
-            frame.views.iter().any(|(camera, _)| *camera == id)
-                || frame.detections.iter().any(|(camera, _)| *camera == id)
-        };
-        frames.iter().any(has)
-    };
+    let shows = |id: CameraId| frames.iter().any(|frame| frame.is_shown_by(id));
     let shown = rig.iter().filter(|(id, _)| shows(*id));
     let (left_out, kept): (Vec<_>, Vec<_>) = shown.partition(|(id, _)| is_left_out(*id));
     if left_out.is_empty() || kept.len() < AGREEING {

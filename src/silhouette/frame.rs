@@ -66,4 +66,30 @@ impl FrameObservations {
     pub fn is_observed(&self) -> bool {
         !(self.views.is_empty() && self.points.is_empty() && self.detections.is_empty())
     }
+
+    /// Whether a camera shows something of the body here.
+    pub fn is_shown_by(&self, camera: CameraId) -> bool {
+        self.views.iter().any(|(id, _)| *id == camera)
+            || self.detections.iter().any(|(id, _)| *id == camera)
+    }
+
+    /// Without what a camera shows.
+    #[must_use]
+    pub fn without(&self, camera: CameraId) -> Self {
+        let mut others = self.clone();
+        others.views.retain(|(id, _)| *id != camera);
+        others.detections.retain(|(id, _)| *id != camera);
+        others
+    }
+
+    /// With what a camera shows in another frame.
+    #[must_use]
+    pub fn with(&self, camera: CameraId, other: &Self) -> Self {
+        let mut both = self.without(camera);
+        both.views.extend(other.views.iter().filter(|(id, _)| *id == camera).cloned());
+        both.detections.extend(other.detections.iter().filter(|(id, _)| *id == camera).cloned());
+        both.views.sort_by_key(|(id, _)| *id);
+        both.detections.sort_by_key(|(id, _)| *id);
+        both
+    }
 }

@@ -25,6 +25,7 @@ impl ResultFile {
             recovered: self.motion.frames.iter().map(|frame| frame.recovered).collect(),
             cameras: self.quality.cameras.iter().map(|camera| camera.found).collect(),
             keyframes: self.keyframe_shapes(),
+            jumps: self.verdict.jumps().cloned().collect(),
             worn: self.verdict.worn().cloned(),
         })
     }

@@ -6,6 +6,7 @@ use super::cameras::{CameraFault, CameraFaults};
 use super::upright::HeadAxis;
 use crate::camera::{CameraId, Rig};
 use crate::pipeline::{CameraQuality, PoseFound};
+use crate::silhouette::FrameIndex;
 
 /// A figure beyond its limit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -176,6 +177,26 @@ pub enum Cause {
     Worn {
         /// The share of the body that lay outside the masks before, mean over all silhouettes.
         share: f64,
+    },
+    /// A camera was touched while it recorded. The shorter side of that was left out.
+    TouchedWhile {
+        /// Its name.
+        camera: String,
+        /// The first frame after it.
+        frame: FrameIndex,
+        /// By how far what it shows jumps there, as an angle, degrees.
+        turn_deg: f64,
+        /// The first and the last of its frames that were left out.
+        left_out: [FrameIndex; 2],
+    },
+    /// A camera lost frames. What it shows from there on was taken to be so many frames later.
+    LostFrames {
+        /// Its name.
+        camera: String,
+        /// The first frame after them, by the number of its file.
+        frame: FrameIndex,
+        /// How many; negative: so many come twice.
+        frames: isize,
     },
     /// The joint optimum put some cameras farther from their calibrated places than anybody moves one. They were left out.
     Strayed {

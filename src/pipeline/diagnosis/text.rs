@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::verdict::BODY_L;
 use super::{Cause, Reason, Verdict};
+use crate::pipeline::counted;
 
 /// What is said of what the fit moves.
 const USED: &str = "taken into account";
@@ -101,7 +102,7 @@ impl fmt::Display for Cause {
                 f,
                 "{camera} is {} by {}: add {} to its offset_frames in sequence.toml",
                 if *frames > 0 { "late" } else { "early" },
-                crate::pipeline::counted(frames.unsigned_abs(), "frame"),
+                counted(frames.unsigned_abs(), "frame"),
                 -frames
             ),
             Self::FocalLengths { factor } => write!(
@@ -217,6 +218,21 @@ impl Cause {
             Self::Worn { .. } => write!(
                 f,
                 "the masks hold something that moves with the person, as a bag, a skirt or a long coat does: their borders count less where they lie outside the body, and joints are less sure"
+            ),
+            Self::TouchedWhile { camera, frame, turn_deg, left_out: [first, last] } => write!(
+                f,
+                "{camera} was touched while it recorded: what it shows jumps at {frame}, as if it had been turned by {turn_deg:.1}°; its frames {} to {} were left out",
+                first.0, last.0
+            ),
+            Self::LostFrames { camera, frame, frames } => write!(
+                f,
+                "{camera} {} before its {frame} ({USED}): number its files from there on {} {}",
+                match frames {
+                    1.. => format!("has lost {}", counted(frames.unsigned_abs(), "frame")),
+                    _ => format!("shows {} twice", counted(frames.unsigned_abs(), "frame")),
+                },
+                frames.unsigned_abs(),
+                if *frames > 0 { "higher" } else { "lower" }
             ),
             Self::Strayed { cameras } => write!(
                 f,

@@ -36,6 +36,13 @@ impl Verdict {
         self.unusable.is_empty()
     }
 
+    /// Where cameras jump.
+    pub fn jumps(&self) -> impl Iterator<Item = &Cause> {
+        let is_jump =
+            |cause: &&Cause| matches!(cause, Cause::TouchedWhile { .. } | Cause::LostFrames { .. });
+        self.causes.iter().filter(is_jump)
+    }
+
     /// What moves with the person, where the masks hold such.
     pub fn worn(&self) -> Option<&Cause> {
         self.causes.iter().find(|cause| matches!(cause, Cause::Worn { .. }))

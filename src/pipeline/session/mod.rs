@@ -36,6 +36,7 @@ use super::estimate::Estimate;
 use super::fit::measures;
 use super::joint_stage::{Joined, JointStage, detected_names};
 use super::judged::Judge;
+use super::jumps::without_jumps;
 use super::measures::Measures;
 use super::worn::for_worn;
 use super::{CameraFound, EstimateOptions, Fit, FitError, NoProgress, Progress, check_scene};
@@ -79,6 +80,8 @@ pub struct AloneFit {
     pub cameras: Vec<CameraFound>,
     /// s*ₖ, what each of its keyframes found: the most probable reading.
     pub keyframes: Vec<Shape>,
+    /// Where its cameras jump, the largest first.
+    pub jumps: Vec<Cause>,
     /// What its masks hold that moves with the person, if there is such.
     pub worn: Option<Cause>,
 }
@@ -93,6 +96,7 @@ impl From<&Fit> for AloneFit {
             recovered: fit.frames.iter().map(|frame| frame.fit.recovered).collect(),
             cameras: fit.cameras.iter().map(|camera| camera.found).collect(),
             keyframes: keyframe_shapes(hypotheses).into_iter().cloned().collect(),
+            jumps: fit.verdict.jumps().cloned().collect(),
             worn: fit.verdict.worn().cloned(),
         }
     }
@@ -119,8 +123,12 @@ pub fn fit_session(
     progress: &dyn Progress,
 ) -> Result<SessionFit, FitError> {
     let body = model.detailed();
-    let cleared: Vec<Cleared<'_>> =
-        trials.iter().map(|trial| Cleared::new(trial.rig, trial.sequence.frames)).collect();
+    let cleared = trials.iter().map(|trial| {
+        let Cleared { frames, causes } = Cleared::new(trial.rig, trial.sequence.frames);
+        let frames = without_jumps(trial.rig, frames, &trial.alone.jumps);
+        Cleared { frames, causes: [causes, trial.alone.jumps.clone()].concat() }
+    });
+    let cleared: Vec<Cleared<'_>> = cleared.collect();
     let options_of = |trial: &SessionTrial<'_>| match trial.alone.worn {
         Some(_) => for_worn(trial.options),
         None => trial.options.clone(),

@@ -93,6 +93,7 @@ mod tests {
             recovered: Vec::new(),
             cameras: Vec::new(),
             keyframes: Vec::new(),
+            jumps: Vec::new(),
             worn: None,
         };
         let rig = Ring { cameras: 4, ..Ring::default() }.regular();

@@ -10,6 +10,7 @@ use nalgebra::{Point3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use crate::jumps::{loses, touched_while};
 use crate::shadows::{around_feet, cast, darkened};
 use crate::worn::{bag, carried, skirt};
 
@@ -91,6 +92,10 @@ fn cameras() -> Vec<Damage> {
         damage("camera 2 late by 1 frame", "late by 1.0", |r| late(r, 1, 1)),
         damage("camera 2 late by 3 frames", "late by 3.0", |r| late(r, 1, 3)),
         damage("camera 2 late by 10 frames", "late by 10.0", |r| late(r, 1, 10)),
+        damage("camera 2 loses 3 frames", "has lost 3 frames", |r| loses(r, 1, 3)),
+        damage("camera 2 is turned by 1° while it records", "touched while it recorded", |r| {
+            touched_while(r, 1, Vector3::y() * 1f64.to_radians())
+        }),
         damage("cameras 2 and 4 late by 4 and −5 frames", "early by 5.0", |r| {
             late(&late(r, 1, 4), 3, -5)
         }),

@@ -7,6 +7,7 @@
 //! Starts: the body is found from nothing, as `maquette fit` does it.
 
 mod damage;
+mod jumps;
 mod shadows;
 mod worn;
 

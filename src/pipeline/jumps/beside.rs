@@ -1,0 +1,200 @@
+//! By how far what a camera shows lies beside the body, and by how much it is ahead.
+//!
+//! What one view shows of the body alone moves it by a Gauss–Newton step. With g and H its part of the equations, all residuals squared, the step
+//! along the camera's rows and columns A and the one along the body's own velocity v are
+//!
+//! d = −(Aᵀ H A)⁻¹ Aᵀ g,  τ = −vᵀg/(vᵀ H v + 1/σ_τ²):
+//!
+//! d metres at the person, τ the seconds by which the view is ahead. Of somebody who stands still σ_τ, a frame, says that τ is not known.
+
+use nalgebra::{Matrix3x2, Point3, Vector2};
+use rayon::prelude::*;
+
+use crate::body::{Layout, Motion, Posed};
+use crate::camera::{Camera, CameraId, Rig};
+use crate::inference::instant::{Instant, times_s};
+use crate::inference::{Detail, Evidence, Look, Sequence};
+use crate::pipeline::estimate::Estimate;
+use crate::silhouette::{FrameIndex, FrameObservations};
+use crate::solver::NormalEquations;
+
+/// At most so many frames are lost at once.
+pub(super) const MOST_LOST: isize = 25;
+
+/// What a camera shows in one frame.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Beside {
+    pub(super) frame: FrameIndex,
+    /// d before the camera as it is calibrated, metres.
+    pub(super) offset_m: Vector2<f64>,
+    /// τ over the interval of frames.
+    pub(super) ahead_frames: f64,
+    /// How far the person is from the camera, metres.
+    pub(super) depth_m: f64,
+}
+
+/// An estimate, of which each camera shows its own moment.
+pub(super) struct Moments<'a> {
+    /// Before the cameras where they were found to be.
+    pub(super) evidence: &'a Evidence<'a>,
+    estimate: &'a Estimate,
+    motions: Vec<Motion>,
+    times_s: Vec<f64>,
+    fps: f64,
+}
+
+impl<'a> Moments<'a> {
+    pub(super) fn new(
+        evidence: &'a Evidence<'a>,
+        estimate: &'a Estimate,
+        sequence: Sequence<'_>,
+    ) -> Self {
+        let motions = estimate.frames.iter().map(|fit| fit.motion.clone()).collect();
+        let times_s = times_s(&sequence.intervals_s());
+        Self { evidence, estimate, motions, times_s, fps: sequence.fps }
+    }
+
+    /// The body that a camera shows in the frame at a position.
+    pub(super) fn instant(&self, id: CameraId, position: usize) -> Instant {
+        let layout = Layout::new(self.evidence.model);
+        let ahead_s = self.estimate.cameras[id.0].offset().ahead_s;
+        Instant::at(layout, &self.motions, &self.times_s, self.times_s[position] + ahead_s)
+    }
+
+    fn posed<'m>(&'m self, motion: &'m Motion) -> Posed<'m> {
+        Posed::new(self.evidence.model, &self.estimate.shape, motion)
+    }
+
+    /// What each camera shows, frame by frame.
+    pub(super) fn beside(
+        &self,
+        calibrated: &Rig,
+        frames: &[FrameObservations],
+    ) -> Vec<Vec<Beside>> {
+        let of_frame = |(i, frame): (usize, &FrameObservations)| {
+            let looks = self.evidence.looks(frame, Detail::Thinned);
+            let of_camera = |(id, camera): (CameraId, &Camera)| {
+                let own = looks.iter().filter(|look| look.camera == Some(id.0));
+                let own: Vec<&Look<'_>> = own.collect();
+                Some((id, self.of_camera((id, camera), (i, frame.frame), &own)?))
+            };
+            calibrated.iter().filter_map(of_camera).collect::<Vec<_>>()
+        };
+        let shown: Vec<_> = frames.par_iter().enumerate().map(of_frame).collect();
+
+        let mut of_cameras = vec![Vec::new(); calibrated.cameras.len()];
+        for (id, beside) in shown.into_iter().flatten() {
+            of_cameras[id.0].push(beside);
+        }
+        of_cameras
+    }
+
+    /// The same of one camera, with the whole frames by which what it shows costs least: farther than a step along the velocity reaches. Frames that
+    /// it shows of moments before or after the recording are left out.
+    pub(super) fn with_whole_frames(
+        &self,
+        id: CameraId,
+        beside: &[Beside],
+        frames: &[FrameObservations],
+    ) -> Vec<Beside> {
+        let with_frames = |beside: &Beside| {
+            let found = frames.binary_search_by_key(&beside.frame, |frame| frame.frame);
+            let position = found.ok()?;
+            let mut looks = self.evidence.looks(&frames[position], Detail::Thinned);
+            looks.retain(|look| look.camera == Some(id.0));
+            let ahead_frames = self.least_cost(id, position, &looks)? as f64;
+            Some(Beside { ahead_frames, ..*beside })
+        };
+        beside.par_iter().filter_map(with_frames).collect()
+    }
+
+    /// How many frames later the body is that some looks cost least before; `None` if that may be before or after the recording.
+    fn least_cost(&self, id: CameraId, position: usize, looks: &[Look<'_>]) -> Option<isize> {
+        let cost = |later: isize| Some(self.cost(looks, &self.later(id, position, later)?.motion));
+        let costs = (-MOST_LOST..=MOST_LOST).filter_map(|later| Some((later, cost(later)?)));
+        let costs: Vec<(isize, f64)> = costs.collect();
+        let (least, _) = costs.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (first, last) = (costs.first()?.0, costs.last()?.0);
+        (first < least && least < last).then_some(least)
+    }
+
+    /// The body that a camera shows so many frames after a position; `None` before or after the recording.
+    pub(super) fn later(&self, id: CameraId, position: usize, frames: isize) -> Option<Instant> {
+        let ahead_s = self.estimate.cameras[id.0].offset().ahead_s;
+        let time_s = self.times_s[position] + frames as f64 / self.fps;
+        let half_s = 0.5 / self.fps;
+        let is_recorded = -half_s < time_s && time_s < self.times_s.last()? + half_s;
+        let layout = Layout::new(self.evidence.model);
+        is_recorded.then(|| Instant::at(layout, &self.motions, &self.times_s, time_s + ahead_s))
+    }
+
+    /// What some looks cost before a motion.
+    pub(super) fn cost(&self, looks: &[Look<'_>], motion: &Motion) -> f64 {
+        let body = self.posed(motion);
+        looks.iter().flat_map(|look| &look.terms).map(|term| term.cost(&body)).sum()
+    }
+
+    /// What one shows; `None` where it shows nothing.
+    fn of_camera(
+        &self,
+        (id, calibrated): (CameraId, &Camera),
+        (position, frame): (usize, FrameIndex),
+        looks: &[&Look<'_>],
+    ) -> Option<Beside> {
+        let instant = self.instant(id, position);
+        let equations = self.equations(looks, &instant.motion);
+        let found = &self.evidence.rig.cameras[id.0];
+        let offset_m = offset_m(&equations, found)?;
+
+        // and what the camera was found to be off by
+        let root: Point3<f64> = instant.motion.position_world.into();
+        let (there, here) =
+            (found.project_undistorted(&root)?, calibrated.project_undistorted(&root)?);
+        let depth_m = (calibrated.camera_from_world * root).z;
+        let metres = depth_m / calibrated.intrinsics.focal_px();
+        Some(Beside {
+            frame,
+            offset_m: offset_m + (there - here) * metres,
+            ahead_frames: self.ahead_frames(&equations, &instant),
+            depth_m,
+        })
+    }
+
+    /// g and H of a motion by what some looks show.
+    fn equations(&self, looks: &[&Look<'_>], motion: &Motion) -> NormalEquations {
+        let body = self.posed(motion);
+        let mut equations = NormalEquations::zeros(Layout::new(self.evidence.model).motion());
+        for term in looks.iter().flat_map(|look| &look.terms) {
+            term.linearize(&body, &mut equations);
+        }
+        equations.hessian.fill_upper_triangle_with_lower_triangle();
+        equations
+    }
+
+    /// τ over the interval of frames.
+    fn ahead_frames(&self, equations: &NormalEquations, instant: &Instant) -> f64 {
+        let per_frame = &instant.velocity / self.fps;
+        let known = per_frame.dot(&(&equations.hessian * &per_frame));
+        -per_frame.dot(&equations.gradient) / (known + 1.0)
+    }
+
+    /// d of what some looks show beside a motion.
+    pub(super) fn offset_m(
+        &self,
+        id: CameraId,
+        looks: &[Look<'_>],
+        motion: &Motion,
+    ) -> Option<Vector2<f64>> {
+        let looks: Vec<&Look<'_>> = looks.iter().collect();
+        offset_m(&self.equations(&looks, motion), &self.evidence.rig.cameras[id.0])
+    }
+}
+
+/// d; `None` where there are no borders, or they run one way only.
+fn offset_m(equations: &NormalEquations, camera: &Camera) -> Option<Vector2<f64>> {
+    let axes = camera.camera_from_world.rotation.to_rotation_matrix().into_inner().transpose();
+    let axes: Matrix3x2<f64> = axes.fixed_columns::<2>(0).into();
+    let known = axes.transpose() * equations.hessian.fixed_view::<3, 3>(0, 0) * axes;
+    let pull = axes.transpose() * equations.gradient.fixed_rows::<3>(0);
+    Some(-known.cholesky()?.solve(&pull))
+}

@@ -1,0 +1,346 @@
+//! Cameras that jump: touched while they recorded, or with frames lost.
+//!
+//! Where and when a camera is, is unknown, but taken to be the same in the whole recording. One turn for all frames is false before somebody ran
+//! into the tripod and after it, and so is its standard deviation; a camera that has lost frames is on time before and late after. Both jump:
+//! from one frame to the next, what the camera shows lies elsewhere beside the body or is of another time (`beside.rs`, `step.rs`).
+//!
+//! The body yields to a jump, and other cameras seem to jump with it. So each suspect is looked at alone, beside the body that the others show. The one
+//! without which they jump least comes first. What changes there is either time or the camera (`change.rs`).
+//!
+//! - Lost frames: what the camera shows behind the jump is numbered anew, and the optimum is sought with all. If it still jumps, it was not that.
+//! - A camera that was touched, turned by more than a usual calibration errs: the optimum is sought without the shorter side of the jump.
+//!
+//! Then the next, while two other cameras show something.
+
+mod beside;
+mod change;
+mod step;
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use beside::Moments;
+use change::Change;
+use step::{Step, largest_jump, most_times, steps};
+
+use super::diagnosis::{CameraFaults, Cause};
+use super::estimate::{Estimate, LastStage};
+use crate::body::Root;
+use crate::camera::{CameraId, Rig};
+use crate::inference::camera_prior::TURN_SD;
+use crate::inference::search::Trial;
+use crate::inference::{Evidence, Sequence};
+use crate::likelihood::Measure;
+use crate::silhouette::{FrameIndex, FrameObservations};
+use crate::solver::Loss;
+
+/// So many jumps are looked at.
+const MOST_JUMPS: usize = 8;
+/// Of the cameras that seem to jump, so many are looked at.
+const SUSPECTS: usize = 3;
+/// A body is found before so many other cameras.
+const LEAST_OTHERS: usize = 2;
+
+/// The optimum of a recording without jumps.
+pub(super) struct Settled<'a> {
+    pub(super) estimate: Estimate,
+    pub(super) measure: Measure,
+    /// What it is of.
+    pub(super) frames: Cow<'a, [FrameObservations]>,
+    /// What silhouettes alone say of the cameras there.
+    pub(super) faults: Cow<'a, CameraFaults>,
+    /// The jumps, the largest first.
+    pub(super) causes: Vec<Cause>,
+}
+
+/// A camera beside the body that the others show.
+struct Suspect {
+    jump: Step,
+    /// What changes there.
+    change: Change,
+    /// The largest step of another camera, over its limit.
+    others: f64,
+}
+
+impl<'a> Settled<'a> {
+    pub(super) fn new(stage: &LastStage<'a>, winner: &Trial) -> Self {
+        let (estimate, measure) = stage.run(winner);
+        let (frames, faults) = (Cow::Borrowed(stage.sequence.frames), Cow::Borrowed(stage.faults));
+        let mut settled = Self { estimate, measure, frames, faults, causes: Vec::new() };
+        if stage.options.joint.is_none() || stage.evidence.model.root == Root::Fixed {
+            return settled;
+        }
+
+        while settled.causes.len() < MOST_JUMPS {
+            let Some((better, cause)) = settled.without_jump(stage, winner) else { break };
+            let causes = [settled.causes, vec![cause]].concat();
+            settled = Settled { causes, ..better };
+        }
+        settled
+    }
+
+    /// Without the jump of one camera, and what it is; `None` where none jumps.
+    fn without_jump(&self, stage: &LastStage<'_>, winner: &Trial) -> Option<(Self, Cause)> {
+        let steps = self.steps(stage);
+        let of_camera = |(id, _)| largest_jump(steps.iter().filter(|step| step.camera == id));
+        let mut jumps: Vec<Step> = stage.evidence.rig.iter().filter_map(of_camera).collect();
+        jumps.sort_by(|a, b| b.times().total_cmp(&a.times()));
+
+        // first the camera without which the others jump least
+        let suspects = jumps.into_iter().take(SUSPECTS);
+        let suspects = suspects.filter_map(|jump| self.suspect(stage, winner, jump.camera));
+        let mut suspects: Vec<Suspect> = suspects.collect();
+        suspects.sort_by(|a, b| a.others.total_cmp(&b.others));
+        suspects.iter().find_map(|suspect| self.without_jump_of(stage, winner, suspect))
+    }
+
+    /// How a camera jumps beside the body that the others show; `None` if it does not.
+    fn suspect(&self, stage: &LastStage<'_>, winner: &Trial, id: CameraId) -> Option<Suspect> {
+        let rig = stage.evidence.rig;
+        if others_showing(rig, &self.frames, id) < LEAST_OTHERS {
+            return None;
+        }
+
+        let options = stage.options.of_trial_alone();
+        let others = left_out(&self.frames, id, &(0..usize::MAX));
+        let others = self.again(&LastStage { options: &options, ..*stage }, winner, others);
+        let evidence = others.evidence(stage);
+        let moments = Moments::new(&evidence, &others.estimate, stage.sequence);
+        // whole frames tell where some are lost, steps along the velocity where the camera is touched
+        let shown = moments.beside(rig, &self.frames);
+        let mut in_frames = shown.clone();
+        in_frames[id.0] = moments.with_whole_frames(id, &shown[id.0], &self.frames);
+        let all = steps(&shown);
+        let (own, of_others): (Vec<Step>, _) = all.iter().partition(|step| step.camera == id);
+        let own_in_frames = steps(&in_frames).into_iter().filter(|step| step.camera == id);
+        let own_in_frames: Vec<Step> = own_in_frames.collect();
+        let changed = |jump: Step| {
+            let change = Change::of(&moments, &self.frames, id, &in_frames[id.0], jump.frame)?;
+            Some((jump, change))
+        };
+        let in_frames = largest_jump(&own_in_frames).and_then(changed);
+        let (jump, change) = match in_frames {
+            Some((_, change)) if change.lost.is_some() => in_frames,
+            _ => largest_jump(&own).and_then(changed).or(in_frames),
+        }?;
+        Some(Suspect { jump, change, others: most_times(&of_others) })
+    }
+
+    /// Without the jump of a camera: of time, or of the camera itself.
+    fn without_jump_of(
+        &self,
+        stage: &LastStage<'_>,
+        winner: &Trial,
+        suspect: &Suspect,
+    ) -> Option<(Self, Cause)> {
+        let Suspect { jump, change, .. } = suspect;
+        let (id, frame) = (jump.camera, jump.frame);
+        let camera = stage.evidence.rig.cameras[id.0].name.clone();
+        if let Some(frames) = change.lost {
+            let whole = self.again(stage, winner, numbered_anew(&self.frames, id, frame, frames));
+            if !whole.jumps_at(stage, jump) {
+                return Some((whole, Cause::LostFrames { camera, frame, frames }));
+            }
+        }
+        if change.turn_rad < TURN_SD {
+            return None;
+        }
+
+        let side = shorter_side(&self.frames, id, frame)?;
+        let without = self.again(stage, winner, left_out(&self.frames, id, &side));
+        let turn_deg = change.turn_rad.to_degrees();
+        let left_out = [side.start, side.end - 1].map(FrameIndex);
+        Some((without, Cause::TouchedWhile { camera, frame, turn_deg, left_out }))
+    }
+
+    /// The optimum of other frames.
+    fn again(&self, stage: &LastStage<'_>, winner: &Trial, frames: Vec<FrameObservations>) -> Self {
+        let faults = CameraFaults::of(stage.evidence.rig, &frames);
+        let sequence = Sequence { frames: &frames, ..stage.sequence };
+        let (estimate, measure) = LastStage { sequence, faults: &faults, ..*stage }.run(winner);
+        let (frames, faults) = (Cow::Owned(frames), Cow::Owned(faults));
+        Self { estimate, measure, frames, faults, causes: Vec::new() }
+    }
+
+    /// Every step of what cameras show beside this optimum.
+    fn steps(&self, stage: &LastStage<'_>) -> Vec<Step> {
+        let evidence = self.evidence(stage);
+        let moments = Moments::new(&evidence, &self.estimate, stage.sequence);
+        steps(&moments.beside(stage.evidence.rig, &self.frames))
+    }
+
+    /// Whether a camera still jumps about there.
+    fn jumps_at(&self, stage: &LastStage<'_>, jump: &Step) -> bool {
+        let is_it = |step: &&Step| step.camera == jump.camera && step.is_about(jump);
+        largest_jump(self.steps(stage).iter().filter(is_it)).is_some()
+    }
+
+    /// The body before the cameras where they were found to be. All errors count as they are: a jump is no outlier.
+    fn evidence<'e>(&'e self, stage: &'e LastStage<'_>) -> Evidence<'e> {
+        let mut likelihood = stage.options.likelihood;
+        (likelihood.rays.loss, likelihood.ellipses.loss) = (Loss::Squared, Loss::Squared);
+        Evidence::new(stage.evidence.model, &self.estimate.rig, likelihood, self.measure)
+    }
+}
+
+/// A trial's frames without its jumps, as they were found when it was fitted alone.
+pub(super) fn without_jumps<'a>(
+    rig: &Rig,
+    frames: Cow<'a, [FrameObservations]>,
+    jumps: &[Cause],
+) -> Cow<'a, [FrameObservations]> {
+    let id = |camera: &str| rig.by_name(camera).map(|(id, _)| id);
+    let without = |frames: Cow<'a, [FrameObservations]>, jump: &Cause| match jump {
+        Cause::LostFrames { camera, frame, frames: lost } => id(camera)
+            .map(|id| Cow::Owned(numbered_anew(&frames, id, *frame, *lost)))
+            .unwrap_or(frames),
+        Cause::TouchedWhile { camera, left_out: [first, last], .. } => id(camera)
+            .map(|id| Cow::Owned(left_out(&frames, id, &(first.0..last.0 + 1))))
+            .unwrap_or(frames),
+        _ => frames,
+    };
+    jumps.iter().fold(frames, without)
+}
+
+/// The number of the frame whose body a camera shows in a frame, by the number of its file.
+pub(super) fn shown_number<'c>(
+    rig: &Rig,
+    jumps: impl Iterator<Item = &'c Cause>,
+    id: CameraId,
+    frame: FrameIndex,
+) -> usize {
+    let later = |number: FrameIndex, jump: &Cause| match jump {
+        Cause::LostFrames { camera, frame, frames }
+            if number >= *frame && *camera == rig.cameras[id.0].name =>
+        {
+            FrameIndex(number.0.saturating_add_signed(*frames))
+        }
+        _ => number,
+    };
+    jumps.fold(frame, later).0
+}
+
+/// The frame numbers on that side of a jump on which a camera shows less; `None` without frames.
+fn shorter_side(
+    frames: &[FrameObservations],
+    camera: CameraId,
+    jump: FrameIndex,
+) -> Option<Range<usize>> {
+    let shown = frames.iter().filter(|frame| frame.is_shown_by(camera));
+    let (before, behind): (Vec<_>, Vec<_>) = shown.partition(|frame| frame.frame < jump);
+    let (first, last) = (frames.first()?.frame.0, frames.last()?.frame.0);
+    Some(if behind.len() <= before.len() { jump.0..last + 1 } else { first..jump.0 })
+}
+
+/// How many other cameras show something.
+fn others_showing(rig: &Rig, frames: &[FrameObservations], camera: CameraId) -> usize {
+    let others = rig.iter().filter(|(id, _)| *id != camera);
+    others.filter(|(id, _)| frames.iter().any(|frame| frame.is_shown_by(*id))).count()
+}
+
+/// Without what a camera shows in a range of frame numbers.
+fn left_out(
+    frames: &[FrameObservations],
+    camera: CameraId,
+    numbers: &Range<usize>,
+) -> Vec<FrameObservations> {
+    let kept = |frame: &FrameObservations| match numbers.contains(&frame.frame.0) {
+        true => frame.without(camera),
+        false => frame.clone(),
+    };
+    frames.iter().map(kept).collect()
+}
+
+/// What a camera shows from a frame on belongs to so many frames later.
+fn numbered_anew(
+    frames: &[FrameObservations],
+    camera: CameraId,
+    from: FrameIndex,
+    lost: isize,
+) -> Vec<FrameObservations> {
+    let shown = |number: usize| {
+        let position = frames.binary_search_by_key(&number, |frame| frame.frame.0).ok()?;
+        Some(&frames[position])
+    };
+    let anew = |frame: &FrameObservations| {
+        if frame.frame < from {
+            return frame.clone();
+        }
+        let number = frame.frame.0.checked_add_signed(-lost).filter(|number| *number >= from.0);
+        match number.and_then(shown) {
+            Some(own) => frame.with(camera, own),
+            None => frame.without(camera),
+        }
+    };
+    frames.iter().map(anew).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Point2;
+
+    use super::*;
+    use crate::silhouette::{Detection, Keypoint};
+    use crate::synth::Ring;
+
+    /// Eight frames of three cameras: in x what a camera shows, the moment.
+    fn frames() -> Vec<FrameObservations> {
+        let seen = |moment: usize| {
+            let pixel = Point2::new(moment as f64, 0.0);
+            let names = ["RHip", "LHip", "Neck"];
+            let keypoints = names.map(|name| Keypoint { name, pixel, confidence: 1.0 });
+            Detection { keypoints: keypoints.to_vec(), size_px: 100.0 }
+        };
+        let frame = |i: usize| FrameObservations {
+            detections: (0..3).map(|camera| (CameraId(camera), seen(i))).collect(),
+            ..FrameObservations::nothing(FrameIndex(10 + i))
+        };
+        (0..8).map(frame).collect()
+    }
+
+    /// The moments that a camera shows, frame by frame.
+    fn shown(frames: &[FrameObservations], camera: usize) -> Vec<Option<usize>> {
+        let of = |frame: &FrameObservations| {
+            let (_, seen) = frame.detections.iter().find(|(id, _)| id.0 == camera)?;
+            Some(seen.keypoints[0].pixel.x as usize)
+        };
+        frames.iter().map(of).collect()
+    }
+
+    #[test]
+    fn what_is_shown_behind_lost_frames_is_later_and_a_side_that_is_left_out_is_gone() {
+        let rig = Ring { cameras: 3, ..Ring::default() }.regular();
+        let camera = rig.cameras[1].name.clone();
+        let lost = |frames: isize| Cause::LostFrames {
+            camera: camera.clone(),
+            frame: FrameIndex(13),
+            frames,
+        };
+        let without = |jumps: &[Cause]| without_jumps(&rig, Cow::Owned(frames()), jumps);
+        let all = |moments: [usize; 8]| moments.map(Some).to_vec();
+
+        let two = without(&[lost(2)]);
+        let [a, b, c, d, e, f] = [0, 1, 2, 3, 4, 5].map(Some);
+        assert_eq!(shown(&two, 1), [a, b, c, None, None, d, e, f]);
+        assert_eq!(shown(&two, 0), all([0, 1, 2, 3, 4, 5, 6, 7]));
+        assert!(two.iter().all(|frame| frame.detections.is_sorted_by_key(|(id, _)| *id)));
+        let twice = without(&[lost(-2)]);
+        assert_eq!(shown(&twice, 1), [a, b, c, f, Some(6), Some(7), None, None]);
+
+        let jumps = [lost(2)];
+        let number = |id: usize, frame: usize| {
+            shown_number(&rig, jumps.iter(), CameraId(id), FrameIndex(frame))
+        };
+        assert_eq!([number(1, 12), number(1, 13), number(2, 13)], [12, 15, 13]);
+
+        let side = shorter_side(&frames(), CameraId(1), FrameIndex(13)).expect("frames");
+        assert_eq!(side, 10..13);
+        let left_out = [side.start, side.end - 1].map(FrameIndex);
+        let touched =
+            Cause::TouchedWhile { camera, frame: FrameIndex(13), turn_deg: 1.0, left_out };
+        let kept = without(&[touched]);
+        let [g, h] = [6, 7].map(Some);
+        assert_eq!(shown(&kept, 1), [None, None, None, d, e, f, g, h]);
+        assert_eq!(shown(&kept, 2), all([0, 1, 2, 3, 4, 5, 6, 7]));
+    }
+}
