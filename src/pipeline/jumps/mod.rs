@@ -58,6 +58,8 @@ struct Suspect {
     jump: Step,
     /// What changes there.
     change: Change,
+    /// Where frames may be lost, and how many.
+    lost: Option<(Step, isize)>,
     /// The largest step of another camera, over its limit.
     others: f64,
 }
@@ -119,11 +121,10 @@ impl<'a> Settled<'a> {
             Some((jump, change))
         };
         let in_frames = largest_jump(&own_in_frames).and_then(changed);
-        let (jump, change) = match in_frames {
-            Some((_, change)) if change.lost.is_some() => in_frames,
-            _ => largest_jump(&own).and_then(changed).or(in_frames),
-        }?;
-        Some(Suspect { jump, change, others: most_times(&of_others) })
+        let (jump, change) = largest_jump(&own).and_then(changed).or(in_frames)?;
+        let lost = [in_frames, Some((jump, change))].into_iter().flatten();
+        let lost = lost.filter_map(|(jump, change)| Some((jump, change.lost?))).next();
+        Some(Suspect { jump, change, lost, others: most_times(&of_others) })
     }
 
     /// Without the jump of a camera: of time, or of the camera itself.
@@ -136,9 +137,11 @@ impl<'a> Settled<'a> {
         let Suspect { jump, change, .. } = suspect;
         let (id, frame) = (jump.camera, jump.frame);
         let camera = stage.evidence.rig.cameras[id.0].name.clone();
-        if let Some(frames) = change.lost {
-            let whole = self.again(stage, winner, numbered_anew(&self.frames, id, frame, frames));
-            if !whole.jumps_at(stage, jump) {
+        if let Some((lost, frames)) = suspect.lost {
+            let (frame, numbered) =
+                (lost.frame, numbered_anew(&self.frames, id, lost.frame, frames));
+            let whole = self.again(stage, winner, numbered);
+            if !whole.jumps_at(stage, &lost) {
                 return Some((whole, Cause::LostFrames { camera, frame, frames }));
             }
         }
