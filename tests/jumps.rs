@@ -9,7 +9,7 @@ use maquette::camera::{CameraId, Rig};
 use maquette::inference::Sequence;
 use maquette::inference::search::{NoJournal, SearchOptions};
 use maquette::inference::start::StartOptions;
-use maquette::pipeline::{Cause, EstimateOptions, Fit, fit};
+use maquette::pipeline::{Cause, EstimateOptions, Fit, FittedFrame, fit};
 use maquette::silhouette::{FrameIndex, FrameObservations};
 use maquette::synth::draw_shape;
 use rand::SeedableRng;
@@ -22,6 +22,8 @@ const FRAMES: usize = 40;
 /// The camera that jumps, and its first frame then.
 const JUMPS: CameraId = CameraId(1);
 const FROM: usize = 23;
+/// Frames that are lost before it.
+const LOST: usize = 2;
 
 /// A person who walks before four cameras.
 struct Scene {
@@ -38,7 +40,6 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
     let motions = walk(&model, &shape, FPS, FRAMES + LOST);
     Scene { rig: rig(4), shape, motions, model }
 });
-const LOST: usize = 2;
 
 impl Scene {
     /// What the rig sees of a moment, with the number of a frame.
@@ -68,7 +69,7 @@ impl Scene {
 
     /// Mean distance of all points from the truth, mm.
     fn error_mm(&self, fit: &Fit) -> f64 {
-        let of_frame = |(i, frame): (usize, &maquette::pipeline::FittedFrame)| {
+        let of_frame = |(i, frame): (usize, &FittedFrame)| {
             let truth = Posed::new(&self.model, &self.shape, &self.motions[i]).points();
             let each = truth.iter().zip(&frame.points_world).map(|(a, b)| 1e3 * (a - b).norm());
             each.sum::<f64>() / truth.len() as f64

@@ -109,7 +109,7 @@ impl JointStage<'_> {
 }
 
 /// The shortest turn of a camera about its centre that brings what it shows, at pixels, to places in the world, on the mean.
-fn turn_towards(
+pub(super) fn turn_towards(
     camera: &Camera,
     shown: impl Iterator<Item = (Point2<f64>, Point3<f64>)>,
 ) -> UnitQuaternion<f64> {

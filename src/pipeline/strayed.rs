@@ -44,13 +44,10 @@ fn without(
     }
 
     let of_kept = |frame: &FrameObservations| {
-        let mut frame = frame.clone();
-        frame.views.retain(|(id, _)| !is_left_out(*id));
-        frame.detections.retain(|(id, _)| !is_left_out(*id));
-        frame
+        left_out.iter().fold(frame.clone(), |frame, (id, _)| frame.without(*id))
     };
-    let cameras = left_out.into_iter().map(|(_, camera)| camera.name.clone()).collect();
     let frames: Vec<FrameObservations> = frames.iter().map(of_kept).collect();
+    let cameras = left_out.into_iter().map(|(_, camera)| camera.name.clone()).collect();
     Some(Strayed {
         faults: CameraFaults::of(rig, &frames),
         frames,

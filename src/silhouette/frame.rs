@@ -93,3 +93,27 @@ impl FrameObservations {
         both
     }
 }
+
+/// Frames in which what a camera shows from a frame on belongs to so many frames later; negative: earlier.
+pub fn numbered_anew(
+    frames: &[FrameObservations],
+    camera: CameraId,
+    from: FrameIndex,
+    later: isize,
+) -> Vec<FrameObservations> {
+    let shown = |number: usize| {
+        let position = frames.binary_search_by_key(&number, |frame| frame.frame.0).ok()?;
+        Some(&frames[position])
+    };
+    let anew = |frame: &FrameObservations| {
+        if frame.frame < from {
+            return frame.clone();
+        }
+        let number = frame.frame.0.checked_add_signed(-later).filter(|number| *number >= from.0);
+        match number.and_then(shown) {
+            Some(own) => frame.with(camera, own),
+            None => frame.without(camera),
+        }
+    };
+    frames.iter().map(anew).collect()
+}

@@ -19,7 +19,7 @@ mod support;
 
 pub use distance_map::DistanceMap;
 pub use extract::{BorderPoint, Rejected, extract, from_curves};
-pub use frame::{FrameIndex, FrameObservations};
+pub use frame::{FrameIndex, FrameObservations, numbered_anew};
 pub use keypoints::{Detection, FramePeople, Keypoint, distances_px};
 pub use options::{InvalidOption, SilhouetteOptions};
 pub use outline::{ContourPoint, Silhouette};

@@ -3,7 +3,7 @@
 use super::cameras::{CameraFault, CameraFaults};
 use crate::camera::CameraId;
 use crate::inference::camera_prior::Free;
-use crate::silhouette::FrameObservations;
+use crate::silhouette::{FrameIndex, FrameObservations, numbered_anew};
 
 impl CameraFaults {
     /// By how many frames the pictures of each camera seem ahead.
@@ -34,35 +34,17 @@ impl CameraFaults {
     ) -> Option<Vec<FrameObservations>> {
         let ahead = if free.clock { self.ahead_frames() } else { vec![0; self.readings.len()] };
         let is_left_out = |id: CameraId| free.pose && self.is_elsewhere(id);
-        let kept: Vec<CameraId> =
-            (0..ahead.len()).map(CameraId).filter(|id| !is_left_out(*id)).collect();
-        if kept.len() == ahead.len() && ahead.iter().all(|frames| *frames == 0) {
-            return None;
-        }
-
-        let shown = |frame: &FrameObservations, id: CameraId| {
-            let number = frame.frame.0.checked_add_signed(-ahead[id.0])?;
-            frames.binary_search_by_key(&number, |f| f.frame.0).ok().map(|moment| &frames[moment])
+        let cameras = ahead.iter().enumerate().map(|(i, ahead)| (CameraId(i), *ahead));
+        let changed: Vec<(CameraId, isize)> =
+            cameras.filter(|(id, ahead)| *ahead != 0 || is_left_out(*id)).collect();
+        let change = |frames: Vec<FrameObservations>, (id, ahead): &(CameraId, isize)| {
+            match is_left_out(*id) {
+                true => frames.iter().map(|frame| frame.without(*id)).collect(),
+                false => numbered_anew(&frames, *id, FrameIndex(0), *ahead),
+            }
         };
-        let agreeing = |frame: &FrameObservations| FrameObservations {
-            views: of_cameras(&kept, |id| find(&shown(frame, id)?.views, id)),
-            detections: of_cameras(&kept, |id| find(&shown(frame, id)?.detections, id)),
-            ..frame.clone()
-        };
-        Some(frames.iter().map(agreeing).collect())
+        (!changed.is_empty()).then(|| changed.iter().fold(frames.to_vec(), change))
     }
-}
-
-/// What each camera shows, of those that show something.
-fn of_cameras<T>(
-    cameras: &[CameraId],
-    shown: impl Fn(CameraId) -> Option<(CameraId, T)>,
-) -> Vec<(CameraId, T)> {
-    cameras.iter().filter_map(|id| shown(*id)).collect()
-}
-
-fn find<T: Clone>(all: &[(CameraId, T)], id: CameraId) -> Option<(CameraId, T)> {
-    all.iter().find(|(camera, _)| *camera == id).cloned()
 }
 
 #[cfg(test)]

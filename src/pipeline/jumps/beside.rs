@@ -7,7 +7,7 @@
 //!
 //! d metres at the person, τ the seconds by which the view is ahead. Of somebody who stands still σ_τ, a frame, says that τ is not known.
 
-use nalgebra::{Matrix3x2, Point3, Vector2};
+use nalgebra::{Matrix3x2, Point2, Point3, Vector2};
 use rayon::prelude::*;
 
 use crate::body::{Layout, Motion, Posed};
@@ -38,27 +38,40 @@ pub(super) struct Moments<'a> {
     /// Before the cameras where they were found to be.
     pub(super) evidence: &'a Evidence<'a>,
     estimate: &'a Estimate,
+    sequence: Sequence<'a>,
     motions: Vec<Motion>,
     times_s: Vec<f64>,
-    fps: f64,
 }
 
 impl<'a> Moments<'a> {
+    /// Of the frames that are looked at, with the numbers of those of the estimate.
     pub(super) fn new(
         evidence: &'a Evidence<'a>,
         estimate: &'a Estimate,
-        sequence: Sequence<'_>,
+        sequence: Sequence<'a>,
     ) -> Self {
         let motions = estimate.frames.iter().map(|fit| fit.motion.clone()).collect();
         let times_s = times_s(&sequence.intervals_s());
-        Self { evidence, estimate, motions, times_s, fps: sequence.fps }
+        Self { evidence, estimate, sequence, motions, times_s }
     }
 
-    /// The body that a camera shows in the frame at a position.
-    pub(super) fn instant(&self, id: CameraId, position: usize) -> Instant {
-        let layout = Layout::new(self.evidence.model);
+    /// The body that a camera shows so many frames after a position; `None` before or after the recording.
+    pub(super) fn later(&self, id: CameraId, position: usize, frames: isize) -> Option<Instant> {
+        let time_s = self.times_s[position] + frames as f64 / self.sequence.fps;
+        let half_s = 0.5 / self.sequence.fps;
+        let is_recorded = -half_s < time_s && time_s < self.times_s.last()? + half_s;
         let ahead_s = self.estimate.cameras[id.0].offset().ahead_s;
-        Instant::at(layout, &self.motions, &self.times_s, self.times_s[position] + ahead_s)
+        let layout = Layout::new(self.evidence.model);
+        is_recorded.then(|| Instant::at(layout, &self.motions, &self.times_s, time_s + ahead_s))
+    }
+
+    /// The position of a frame, and what a camera shows there.
+    pub(super) fn looks(&self, id: CameraId, frame: FrameIndex) -> Option<(usize, Vec<Look<'a>>)> {
+        let frames = self.sequence.frames;
+        let position = frames.binary_search_by_key(&frame, |frame| frame.frame).ok()?;
+        let mut looks = self.evidence.looks(&frames[position], Detail::Thinned);
+        looks.retain(|look| look.camera == Some(id.0));
+        Some((position, looks))
     }
 
     fn posed<'m>(&'m self, motion: &'m Motion) -> Posed<'m> {
@@ -66,21 +79,16 @@ impl<'a> Moments<'a> {
     }
 
     /// What each camera shows, frame by frame.
-    pub(super) fn beside(
-        &self,
-        calibrated: &Rig,
-        frames: &[FrameObservations],
-    ) -> Vec<Vec<Beside>> {
+    pub(super) fn beside(&self, calibrated: &Rig) -> Vec<Vec<Beside>> {
         let of_frame = |(i, frame): (usize, &FrameObservations)| {
             let looks = self.evidence.looks(frame, Detail::Thinned);
-            let of_camera = |(id, camera): (CameraId, &Camera)| {
-                let own = looks.iter().filter(|look| look.camera == Some(id.0));
-                let own: Vec<&Look<'_>> = own.collect();
-                Some((id, self.of_camera((id, camera), (i, frame.frame), &own)?))
+            let of_camera = |camera: (CameraId, &Camera)| {
+                let own = looks.iter().filter(|look| look.camera == Some(camera.0.0));
+                Some((camera.0, self.of_camera(camera, (i, frame.frame), own)?))
             };
             calibrated.iter().filter_map(of_camera).collect::<Vec<_>>()
         };
-        let shown: Vec<_> = frames.par_iter().enumerate().map(of_frame).collect();
+        let shown: Vec<_> = self.sequence.frames.par_iter().enumerate().map(of_frame).collect();
 
         let mut of_cameras = vec![Vec::new(); calibrated.cameras.len()];
         for (id, beside) in shown.into_iter().flatten() {
@@ -91,17 +99,9 @@ impl<'a> Moments<'a> {
 
     /// The same of one camera, with the whole frames by which what it shows costs least: farther than a step along the velocity reaches. Frames that
     /// it shows of moments before or after the recording are left out.
-    pub(super) fn with_whole_frames(
-        &self,
-        id: CameraId,
-        beside: &[Beside],
-        frames: &[FrameObservations],
-    ) -> Vec<Beside> {
+    pub(super) fn with_whole_frames(&self, id: CameraId, beside: &[Beside]) -> Vec<Beside> {
         let with_frames = |beside: &Beside| {
-            let found = frames.binary_search_by_key(&beside.frame, |frame| frame.frame);
-            let position = found.ok()?;
-            let mut looks = self.evidence.looks(&frames[position], Detail::Thinned);
-            looks.retain(|look| look.camera == Some(id.0));
+            let (position, looks) = self.looks(id, beside.frame)?;
             let ahead_frames = self.least_cost(id, position, &looks)? as f64;
             Some(Beside { ahead_frames, ..*beside })
         };
@@ -118,16 +118,6 @@ impl<'a> Moments<'a> {
         (first < least && least < last).then_some(least)
     }
 
-    /// The body that a camera shows so many frames after a position; `None` before or after the recording.
-    pub(super) fn later(&self, id: CameraId, position: usize, frames: isize) -> Option<Instant> {
-        let ahead_s = self.estimate.cameras[id.0].offset().ahead_s;
-        let time_s = self.times_s[position] + frames as f64 / self.fps;
-        let half_s = 0.5 / self.fps;
-        let is_recorded = -half_s < time_s && time_s < self.times_s.last()? + half_s;
-        let layout = Layout::new(self.evidence.model);
-        is_recorded.then(|| Instant::at(layout, &self.motions, &self.times_s, time_s + ahead_s))
-    }
-
     /// What some looks cost before a motion.
     pub(super) fn cost(&self, looks: &[Look<'_>], motion: &Motion) -> f64 {
         let body = self.posed(motion);
@@ -135,13 +125,13 @@ impl<'a> Moments<'a> {
     }
 
     /// What one shows; `None` where it shows nothing.
-    fn of_camera(
+    fn of_camera<'l>(
         &self,
         (id, calibrated): (CameraId, &Camera),
         (position, frame): (usize, FrameIndex),
-        looks: &[&Look<'_>],
+        looks: impl Iterator<Item = &'l Look<'l>>,
     ) -> Option<Beside> {
-        let instant = self.instant(id, position);
+        let instant = self.later(id, position, 0)?;
         let equations = self.equations(looks, &instant.motion);
         let found = &self.evidence.rig.cameras[id.0];
         let offset_m = offset_m(&equations, found)?;
@@ -161,10 +151,14 @@ impl<'a> Moments<'a> {
     }
 
     /// g and H of a motion by what some looks show.
-    fn equations(&self, looks: &[&Look<'_>], motion: &Motion) -> NormalEquations {
+    fn equations<'l>(
+        &self,
+        looks: impl Iterator<Item = &'l Look<'l>>,
+        motion: &Motion,
+    ) -> NormalEquations {
         let body = self.posed(motion);
         let mut equations = NormalEquations::zeros(Layout::new(self.evidence.model).motion());
-        for term in looks.iter().flat_map(|look| &look.terms) {
+        for term in looks.flat_map(|look| &look.terms) {
             term.linearize(&body, &mut equations);
         }
         equations.hessian.fill_upper_triangle_with_lower_triangle();
@@ -173,20 +167,23 @@ impl<'a> Moments<'a> {
 
     /// τ over the interval of frames.
     fn ahead_frames(&self, equations: &NormalEquations, instant: &Instant) -> f64 {
-        let per_frame = &instant.velocity / self.fps;
+        let per_frame = &instant.velocity / self.sequence.fps;
         let known = per_frame.dot(&(&equations.hessian * &per_frame));
         -per_frame.dot(&equations.gradient) / (known + 1.0)
     }
 
-    /// d of what some looks show beside a motion.
-    pub(super) fn offset_m(
+    /// Where a camera shows a motion's root by some looks, px.
+    pub(super) fn shown_px(
         &self,
         id: CameraId,
         looks: &[Look<'_>],
         motion: &Motion,
-    ) -> Option<Vector2<f64>> {
-        let looks: Vec<&Look<'_>> = looks.iter().collect();
-        offset_m(&self.equations(&looks, motion), &self.evidence.rig.cameras[id.0])
+    ) -> Option<Point2<f64>> {
+        let camera = &self.evidence.rig.cameras[id.0];
+        let offset_m = offset_m(&self.equations(looks.iter(), motion), camera)?;
+        let root = camera.camera_from_world * Point3::from(motion.position_world);
+        let there = camera.camera_from_world.inverse() * (root + offset_m.push(0.0));
+        camera.project_undistorted(&there)
     }
 }
 

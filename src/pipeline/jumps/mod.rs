@@ -21,7 +21,7 @@ use std::ops::Range;
 
 use beside::Moments;
 use change::Change;
-use step::{Step, largest_jump, most_times, steps};
+use step::{Step, largest_jump, steps};
 
 use super::diagnosis::{CameraFaults, Cause};
 use super::estimate::{Estimate, LastStage};
@@ -31,15 +31,15 @@ use crate::inference::camera_prior::TURN_SD;
 use crate::inference::search::Trial;
 use crate::inference::{Evidence, Sequence};
 use crate::likelihood::Measure;
-use crate::silhouette::{FrameIndex, FrameObservations};
+use crate::silhouette::{FrameIndex, FrameObservations, numbered_anew};
 use crate::solver::Loss;
 
 /// So many jumps are looked at.
 const MOST_JUMPS: usize = 8;
 /// Of the cameras that seem to jump, so many are looked at.
 const SUSPECTS: usize = 3;
-/// A body is found before so many other cameras.
-const LEAST_OTHERS: usize = 2;
+/// A suspect is looked at beside two others.
+const LEAST_CAMERAS: usize = 3;
 
 /// The optimum of a recording without jumps.
 pub(super) struct Settled<'a> {
@@ -53,13 +53,13 @@ pub(super) struct Settled<'a> {
     pub(super) causes: Vec<Cause>,
 }
 
-/// A camera beside the body that the others show.
+/// A camera that jumps beside the body that the others show.
 struct Suspect {
-    jump: Step,
-    /// What changes there.
-    change: Change,
-    /// Where frames may be lost, and how many.
+    camera: CameraId,
+    /// Where it may have lost frames, and how many.
     lost: Option<(Step, isize)>,
+    /// Where it may have been touched, and by which angle it would be turned, radians.
+    touched: (Step, f64),
     /// The largest step of another camera, over its limit.
     others: f64,
 }
@@ -83,9 +83,15 @@ impl<'a> Settled<'a> {
 
     /// Without the jump of one camera, and what it is; `None` where none jumps.
     fn without_jump(&self, stage: &LastStage<'_>, winner: &Trial) -> Option<(Self, Cause)> {
+        let ids = || stage.evidence.rig.iter().map(|(id, _)| id);
+        let shows = |id: &CameraId| self.frames.iter().any(|frame| frame.is_shown_by(*id));
+        if ids().filter(shows).count() < LEAST_CAMERAS {
+            return None;
+        }
+
         let steps = self.steps(stage);
-        let of_camera = |(id, _)| largest_jump(steps.iter().filter(|step| step.camera == id));
-        let mut jumps: Vec<Step> = stage.evidence.rig.iter().filter_map(of_camera).collect();
+        let of_camera = |id| largest_jump(steps.iter().filter(|step| step.camera == id));
+        let mut jumps: Vec<Step> = ids().filter_map(of_camera).collect();
         jumps.sort_by(|a, b| b.times().total_cmp(&a.times()));
 
         // first the camera without which the others jump least
@@ -97,34 +103,36 @@ impl<'a> Settled<'a> {
     }
 
     /// How a camera jumps beside the body that the others show; `None` if it does not.
-    fn suspect(&self, stage: &LastStage<'_>, winner: &Trial, id: CameraId) -> Option<Suspect> {
-        let rig = stage.evidence.rig;
-        if others_showing(rig, &self.frames, id) < LEAST_OTHERS {
-            return None;
-        }
-
+    fn suspect(&self, stage: &LastStage<'_>, winner: &Trial, camera: CameraId) -> Option<Suspect> {
         let options = stage.options.of_trial_alone();
-        let others = left_out(&self.frames, id, &(0..usize::MAX));
+        let others = self.frames.iter().map(|frame| frame.without(camera)).collect();
         let others = self.again(&LastStage { options: &options, ..*stage }, winner, others);
         let evidence = others.evidence(stage);
-        let moments = Moments::new(&evidence, &others.estimate, stage.sequence);
+        let sequence = Sequence { frames: &self.frames, ..stage.sequence };
+        let moments = Moments::new(&evidence, &others.estimate, sequence);
+
         // whole frames tell where some are lost, steps along the velocity where the camera is touched
-        let shown = moments.beside(rig, &self.frames);
+        let shown = moments.beside(stage.evidence.rig);
         let mut in_frames = shown.clone();
-        in_frames[id.0] = moments.with_whole_frames(id, &shown[id.0], &self.frames);
-        let all = steps(&shown);
-        let (own, of_others): (Vec<Step>, _) = all.iter().partition(|step| step.camera == id);
-        let own_in_frames = steps(&in_frames).into_iter().filter(|step| step.camera == id);
-        let own_in_frames: Vec<Step> = own_in_frames.collect();
+        in_frames[camera.0] = moments.with_whole_frames(camera, &shown[camera.0]);
+        let is_own = |step: &&Step| step.camera == camera;
+        let jump = largest_jump(steps(&shown).iter().filter(is_own));
+        let jump_in_frames = largest_jump(steps(&in_frames).iter().filter(is_own));
         let changed = |jump: Step| {
-            let change = Change::of(&moments, &self.frames, id, &in_frames[id.0], jump.frame)?;
+            let change = Change::of(&moments, camera, &in_frames[camera.0], jump.frame)?;
             Some((jump, change))
         };
-        let in_frames = largest_jump(&own_in_frames).and_then(changed);
-        let (jump, change) = largest_jump(&own).and_then(changed).or(in_frames)?;
-        let lost = [in_frames, Some((jump, change))].into_iter().flatten();
-        let lost = lost.filter_map(|(jump, change)| Some((jump, change.lost?))).next();
-        Some(Suspect { jump, change, lost, others: most_times(&of_others) })
+        let (jump, jump_in_frames) = (jump.and_then(changed), jump_in_frames.and_then(changed));
+
+        let lost = |(jump, change): (Step, Change)| Some((jump, change.lost?));
+        let touched = |(jump, change): (Step, Change)| (jump, change.turn_rad);
+        let (all, not_own) = (steps(&shown), |step: &&Step| step.camera != camera);
+        Some(Suspect {
+            camera,
+            lost: jump_in_frames.and_then(lost).or(jump.and_then(lost)),
+            touched: jump.or(jump_in_frames).map(touched)?,
+            others: all.iter().filter(not_own).map(Step::times).fold(0.0, f64::max),
+        })
     }
 
     /// Without the jump of a camera: of time, or of the camera itself.
@@ -134,24 +142,23 @@ impl<'a> Settled<'a> {
         winner: &Trial,
         suspect: &Suspect,
     ) -> Option<(Self, Cause)> {
-        let Suspect { jump, change, .. } = suspect;
-        let (id, frame) = (jump.camera, jump.frame);
+        let id = suspect.camera;
         let camera = stage.evidence.rig.cameras[id.0].name.clone();
-        if let Some((lost, frames)) = suspect.lost {
-            let (frame, numbered) =
-                (lost.frame, numbered_anew(&self.frames, id, lost.frame, frames));
+        if let Some((jump, frames)) = suspect.lost {
+            let numbered = numbered_anew(&self.frames, id, jump.frame, frames);
             let whole = self.again(stage, winner, numbered);
-            if !whole.jumps_at(stage, &lost) {
-                return Some((whole, Cause::LostFrames { camera, frame, frames }));
+            if !whole.jumps_at(stage, &jump) {
+                return Some((whole, Cause::LostFrames { camera, frame: jump.frame, frames }));
             }
         }
-        if change.turn_rad < TURN_SD {
+
+        let (Step { frame, .. }, turn_rad) = suspect.touched;
+        if turn_rad < TURN_SD {
             return None;
         }
-
         let side = shorter_side(&self.frames, id, frame)?;
         let without = self.again(stage, winner, left_out(&self.frames, id, &side));
-        let turn_deg = change.turn_rad.to_degrees();
+        let turn_deg = turn_rad.to_degrees();
         let left_out = [side.start, side.end - 1].map(FrameIndex);
         Some((without, Cause::TouchedWhile { camera, frame, turn_deg, left_out }))
     }
@@ -168,8 +175,8 @@ impl<'a> Settled<'a> {
     /// Every step of what cameras show beside this optimum.
     fn steps(&self, stage: &LastStage<'_>) -> Vec<Step> {
         let evidence = self.evidence(stage);
-        let moments = Moments::new(&evidence, &self.estimate, stage.sequence);
-        steps(&moments.beside(stage.evidence.rig, &self.frames))
+        let sequence = Sequence { frames: &self.frames, ..stage.sequence };
+        steps(&Moments::new(&evidence, &self.estimate, sequence).beside(stage.evidence.rig))
     }
 
     /// Whether a camera still jumps about there.
@@ -235,12 +242,6 @@ fn shorter_side(
     Some(if behind.len() <= before.len() { jump.0..last + 1 } else { first..jump.0 })
 }
 
-/// How many other cameras show something.
-fn others_showing(rig: &Rig, frames: &[FrameObservations], camera: CameraId) -> usize {
-    let others = rig.iter().filter(|(id, _)| *id != camera);
-    others.filter(|(id, _)| frames.iter().any(|frame| frame.is_shown_by(*id))).count()
-}
-
 /// Without what a camera shows in a range of frame numbers.
 fn left_out(
     frames: &[FrameObservations],
@@ -252,30 +253,6 @@ fn left_out(
         false => frame.clone(),
     };
     frames.iter().map(kept).collect()
-}
-
-/// What a camera shows from a frame on belongs to so many frames later.
-fn numbered_anew(
-    frames: &[FrameObservations],
-    camera: CameraId,
-    from: FrameIndex,
-    lost: isize,
-) -> Vec<FrameObservations> {
-    let shown = |number: usize| {
-        let position = frames.binary_search_by_key(&number, |frame| frame.frame.0).ok()?;
-        Some(&frames[position])
-    };
-    let anew = |frame: &FrameObservations| {
-        if frame.frame < from {
-            return frame.clone();
-        }
-        let number = frame.frame.0.checked_add_signed(-lost).filter(|number| *number >= from.0);
-        match number.and_then(shown) {
-            Some(own) => frame.with(camera, own),
-            None => frame.without(camera),
-        }
-    };
-    frames.iter().map(anew).collect()
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@
 //! counts, that of all cameras or of one, apart from its largest step. Of 550 steps of a walk the largest is five σ. A step is a jump if it is
 //! larger than 10 σ, and larger than what is usual: what a calibration errs by, √((σ_turn z)² + σ_place²), and half a frame.
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector3;
 
 use super::beside::Beside;
 use crate::camera::CameraId;
@@ -37,7 +37,7 @@ pub(super) struct Step {
     pub(super) frame: FrameIndex,
     /// How large it is, metres.
     size_m: f64,
-    /// The same in time.
+    /// The same in time, frames.
     frames: f64,
     /// How large it must be to be a jump.
     limit_m: f64,
@@ -92,11 +92,6 @@ pub(super) fn largest_jump<'s>(steps: impl IntoIterator<Item = &'s Step>) -> Opt
     jumps.max_by(|a, b| a.times().total_cmp(&b.times())).copied()
 }
 
-/// The largest of all, over its limit.
-pub(super) fn most_times(steps: &[Step]) -> f64 {
-    steps.iter().map(Step::times).fold(0.0, f64::max)
-}
-
 /// σ of steps, in metres and in frames.
 fn usual<'s>(steps: impl Iterator<Item = &'s Step>) -> (f64, f64) {
     let (mut sizes_m, mut frames): (Vec<f64>, Vec<f64>) =
@@ -119,7 +114,7 @@ fn step(camera: CameraId, around: &[Beside]) -> Option<Step> {
     Some(Step {
         camera,
         frame: first.frame,
-        size_m: Vector2::new(apart.x, apart.y).norm(),
+        size_m: apart.xy().norm(),
         frames: apart.z.abs(),
         limit_m: (TURN_SD * first.depth_m).hypot(DISPLACEMENT_SD_M),
         limit_frames: LEAST_FRAMES,
@@ -143,6 +138,8 @@ fn line_at(shown: &[Beside], number: f64) -> Option<Vector3<f64>> {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Vector2;
+
     use super::*;
 
     /// Two cameras of which offsets and clocks wander and shake a little; `change` is made to the first's, frame by frame.

@@ -10,7 +10,7 @@ use nalgebra::{Point3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::jumps::{loses, touched_while};
+use crate::jumps::{late_from, touched_while};
 use crate::shadows::{around_feet, cast, darkened};
 use crate::worn::{bag, carried, skirt};
 
@@ -92,7 +92,9 @@ fn cameras() -> Vec<Damage> {
         damage("camera 2 late by 1 frame", "late by 1.0", |r| late(r, 1, 1)),
         damage("camera 2 late by 3 frames", "late by 3.0", |r| late(r, 1, 3)),
         damage("camera 2 late by 10 frames", "late by 10.0", |r| late(r, 1, 10)),
-        damage("camera 2 loses 3 frames", "has lost 3 frames", |r| loses(r, 1, 3)),
+        damage("camera 2 loses 3 frames", "has lost 3 frames", |r| {
+            late_from(r, 1, -3, r.masks.len() / 2)
+        }),
         damage("camera 2 is turned by 1° while it records", "touched while it recorded", |r| {
             touched_while(r, 1, Vector3::y() * 1f64.to_radians())
         }),
@@ -208,12 +210,7 @@ fn exchanged(r: &Recorded, a: usize, b: usize) -> Recorded {
 }
 
 fn late(r: &Recorded, camera: usize, frames: isize) -> Recorded {
-    let mut spoiled = r.clone();
-    for (i, masks) in spoiled.masks.iter_mut().enumerate() {
-        let shown = i.checked_add_signed(-frames).and_then(|i| r.masks.get(i));
-        masks[camera] = shown.and_then(|masks| masks[camera].clone());
-    }
-    spoiled
+    late_from(r, camera, frames, 0)
 }
 
 fn moved(r: &Recorded, camera: usize, change: impl Fn(&mut Camera)) -> Recorded {
