@@ -18,9 +18,6 @@ use crate::pipeline::estimate::Estimate;
 use crate::silhouette::{FrameIndex, FrameObservations};
 use crate::solver::NormalEquations;
 
-/// At most so many frames are lost at once.
-pub(super) const MOST_LOST: isize = 25;
-
 /// What a camera shows in one frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Beside {
@@ -65,13 +62,15 @@ impl<'a> Moments<'a> {
         is_recorded.then(|| Instant::at(layout, &self.motions, &self.times_s, time_s + ahead_s))
     }
 
-    /// The position of a frame, and what a camera shows there.
-    pub(super) fn looks(&self, id: CameraId, frame: FrameIndex) -> Option<(usize, Vec<Look<'a>>)> {
-        let frames = self.sequence.frames;
-        let position = frames.binary_search_by_key(&frame, |frame| frame.frame).ok()?;
-        let mut looks = self.evidence.looks(&frames[position], Detail::Thinned);
-        looks.retain(|look| look.camera == Some(id.0));
-        Some((position, looks))
+    /// Each frame in which a camera shows something, its position, and what it shows.
+    pub(super) fn looks(&self, id: CameraId) -> Vec<(FrameIndex, usize, Vec<Look<'a>>)> {
+        let of_frame = |(i, frame): (usize, &'a FrameObservations)| {
+            let mut looks = self.evidence.looks(frame, Detail::Thinned);
+            looks.retain(|look| look.camera == Some(id.0));
+            (!looks.is_empty()).then_some((frame.frame, i, looks))
+        };
+        let frames: &'a [FrameObservations] = self.sequence.frames;
+        frames.par_iter().enumerate().filter_map(of_frame).collect()
     }
 
     fn posed<'m>(&'m self, motion: &'m Motion) -> Posed<'m> {
@@ -97,31 +96,18 @@ impl<'a> Moments<'a> {
         of_cameras
     }
 
-    /// The same of one camera, with the whole frames by which what it shows costs least: farther than a step along the velocity reaches. Frames that
-    /// it shows of moments before or after the recording are left out.
-    pub(super) fn with_whole_frames(&self, id: CameraId, beside: &[Beside]) -> Vec<Beside> {
-        let with_frames = |beside: &Beside| {
-            let (position, looks) = self.looks(id, beside.frame)?;
-            let ahead_frames = self.least_cost(id, position, &looks)? as f64;
-            Some(Beside { ahead_frames, ..*beside })
-        };
-        beside.par_iter().filter_map(with_frames).collect()
-    }
-
-    /// How many frames later the body is that some looks cost least before; `None` if that may be before or after the recording.
-    fn least_cost(&self, id: CameraId, position: usize, looks: &[Look<'_>]) -> Option<isize> {
-        let cost = |later: isize| Some(self.cost(looks, &self.later(id, position, later)?.motion));
-        let costs = (-MOST_LOST..=MOST_LOST).filter_map(|later| Some((later, cost(later)?)));
-        let costs: Vec<(isize, f64)> = costs.collect();
-        let (least, _) = costs.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let (first, last) = (costs.first()?.0, costs.last()?.0);
-        (first < least && least < last).then_some(least)
-    }
-
     /// What some looks cost before a motion.
     pub(super) fn cost(&self, looks: &[Look<'_>], motion: &Motion) -> f64 {
         let body = self.posed(motion);
         looks.iter().flat_map(|look| &look.terms).map(|term| term.cost(&body)).sum()
+    }
+
+    /// What each frame of a camera costs.
+    pub(super) fn costs(&self, id: CameraId) -> Vec<f64> {
+        let cost = |(_, position, looks): &(FrameIndex, usize, Vec<Look<'_>>)| {
+            Some(self.cost(looks, &self.later(id, *position, 0)?.motion))
+        };
+        self.looks(id).par_iter().filter_map(cost).collect()
     }
 
     /// What one shows; `None` where it shows nothing.

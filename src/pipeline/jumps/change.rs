@@ -1,71 +1,160 @@
-//! What changes at a jump: whether a camera has lost frames, or was touched.
+//! What changed of a camera, and when: it has lost frames, or was touched.
 //!
-//! Just before the jump the camera shows the body of n₀ frames later, turned by R₀: both are usually nothing. Just behind it, either n is another, or R.
-//! Both are tried on some frames, and what leaves them the smaller cost is what changed. Where frames come twice, n falls.
+//! Beside the body that the others show, C_i(n, R) is what frame i of the camera costs before the body of n frames later, turned by R about the
+//! camera's centre. Up to some frame the camera shows the body of n₀ frames later, turned by R₀: both are usually nothing. From this frame on
+//! either n is another, or R. Of either, the frame is the one with which all frames of the camera together cost least, and so are n and R.
+//! Where frames come twice, n falls.
+//!
+//! What the others cost is added. So all changes of all cameras are compared by what all that is shown costs: without the camera that changed the
+//! others agree, without another they do not.
+
+use std::ops::Range;
 
 use nalgebra::UnitQuaternion;
+use rayon::prelude::*;
 
-use super::beside::{Beside, Moments};
+use super::beside::Moments;
+use super::step::{SIDE, Step};
 use crate::body::Motion;
 use crate::camera::CameraId;
 use crate::inference::Look;
 use crate::inference::camera_offset::CameraOffset;
-use crate::math::stats::{mean, median};
+use crate::inference::camera_prior::TURN_SD;
 use crate::pipeline::joint_stage::turn_towards;
 use crate::silhouette::FrameIndex;
 
-/// So many frames on either side are looked at.
-const LOOKED_AT: usize = 12;
+/// At most so many frames are lost at once.
+const MOST_LOST: isize = 25;
+/// By how many frames it is ahead on either side of a jump, so many frames tell.
+const NEAR: usize = 12;
 /// A turn is found in so many steps.
 const STEPS: usize = 5;
+/// Two turns and the frame between them are found in so many rounds.
+const ROUNDS: usize = 4;
 
-/// What changes at a jump.
+/// A change of a camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Change {
-    /// So many frames are lost, if that explains more than a turn does; negative: they come twice.
-    pub(super) lost: Option<isize>,
-    /// The angle by which the camera would be turned, radians.
-    pub(super) turn_rad: f64,
+    pub(super) camera: CameraId,
+    /// The first frame after it.
+    pub(super) frame: FrameIndex,
+    pub(super) what: What,
+    /// What all cameras show costs with it, beside the body that the others show.
+    pub(super) cost: f64,
+}
+
+/// What changed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum What {
+    /// So many frames are lost; negative: they come twice.
+    Frames(isize),
+    /// The camera was turned by this angle, radians.
+    Turn(f64),
 }
 
 impl Change {
-    /// Of what a camera shows beside the body of the others, with the whole frames by which it is ahead; `None` if it shows nothing.
-    pub(super) fn of(
-        moments: &Moments<'_>,
-        camera: CameraId,
-        shown: &[Beside],
-        jump: FrameIndex,
-    ) -> Option<Self> {
-        let first = shown.partition_point(|shown| shown.frame < jump);
-        let (before, behind) = shown.split_at(first);
-        let before = Near::new(moments, camera, &before[before.len().saturating_sub(LOOKED_AT)..])?;
-        let behind = Near::new(moments, camera, &behind[..behind.len().min(LOOKED_AT)])?;
+    /// Both that are possible of a camera that jumps somewhere, beside the body of the others.
+    pub(super) fn both(moments: &Moments<'_>, jump: &Step) -> Vec<Self> {
+        let shown = Shown::new(moments, jump.camera);
+        let Some((lost, ahead)) = shown.lost() else { return Vec::new() };
+        let touched = ahead.iter().filter_map(|ahead| shown.touched(*ahead, jump.frame));
+        let touched = touched.min_by(|a, b| a.cost.total_cmp(&b.cost));
 
-        let still = before.turn(before.ahead, UnitQuaternion::identity())?;
-        let turn = behind.turn(before.ahead, still)?;
-        let turned = behind.cost(before.ahead, turn)?;
-        let lost = behind.cost(behind.ahead, still)?;
-        let frames = behind.ahead - before.ahead;
-        let is_time = frames != 0 && lost < turned;
-        Some(Self { lost: is_time.then_some(frames), turn_rad: still.angle_to(&turn) })
+        let others = moments.evidence.rig.iter().filter(|(id, _)| *id != jump.camera);
+        let others: f64 = others.flat_map(|(id, _)| moments.costs(id)).sum();
+        let both = lost.into_iter().chain(touched);
+        both.map(|change| Self { cost: change.cost + others, ..change }).collect()
     }
 }
 
-/// Some frames on one side of a jump.
-struct Near<'m> {
-    moments: &'m Moments<'m>,
+/// What each frame of a camera costs beside a body, on the side of a jump that was left out: before the camera turned to what it shows there.
+pub(super) fn costs_turned(
+    moments: &Moments<'_>,
     camera: CameraId,
-    /// The position of each, and what the camera shows there.
-    looks: Vec<(usize, Vec<Look<'m>>)>,
-    /// n: median of the frames by which it is ahead.
-    ahead: isize,
+    side: &Range<usize>,
+) -> Option<Vec<f64>> {
+    let mut shown = Shown::new(moments, camera);
+    shown.frames.retain(|shown| side.contains(&shown.frame.0));
+    let all = 0..shown.frames.len();
+    let turn = shown.turn(&[(all.clone(), 0)], UnitQuaternion::identity())?;
+    Some(shown.costs(all, 0, turn).into_iter().flatten().collect())
 }
 
-impl<'m> Near<'m> {
-    fn new(moments: &'m Moments<'m>, camera: CameraId, shown: &[Beside]) -> Option<Self> {
-        let ahead = median(&mut shown.iter().map(|shown| shown.ahead_frames).collect())?;
-        let looks = shown.iter().filter_map(|shown| moments.looks(camera, shown.frame)).collect();
-        Some(Self { moments, camera, looks, ahead: ahead.round() as isize })
+/// What a camera shows.
+struct Shown<'m> {
+    moments: &'m Moments<'m>,
+    camera: CameraId,
+    frames: Vec<ShownFrame<'m>>,
+}
+
+struct ShownFrame<'m> {
+    frame: FrameIndex,
+    /// Its position in the recording.
+    position: usize,
+    looks: Vec<Look<'m>>,
+}
+
+impl<'m> Shown<'m> {
+    fn new(moments: &'m Moments<'m>, camera: CameraId) -> Self {
+        let shown = moments.looks(camera).into_iter();
+        let frames = shown.map(|(frame, position, looks)| ShownFrame { frame, position, looks });
+        Self { moments, camera, frames: frames.collect() }
+    }
+
+    /// n where it changes, if it does, and the two n of which one is in all frames if it does not; `None` if the camera shows too little.
+    fn lost(&self) -> Option<(Option<Change>, Vec<isize>)> {
+        let none = UnitQuaternion::identity();
+        let lags: Vec<isize> = (-MOST_LOST..=MOST_LOST).collect();
+        let costs: Vec<Sums> = lags
+            .iter()
+            .map(|ahead| Sums::new(&self.costs(0..self.frames.len(), *ahead, none)))
+            .collect();
+        let split = Split::best(&costs, &costs)?;
+        let [before, behind] = [lags[split.before], lags[split.behind]];
+        if before == behind {
+            return Some((None, vec![before]));
+        }
+
+        // R₀ of both sides together
+        let first = split.first_behind;
+        let sides = [(0..first, before), (first..self.frames.len(), behind)];
+        let still = self.turn(&sides, none)?;
+        let cost = |(side, ahead): &(Range<usize>, isize)| {
+            let costs = self.costs(side.clone(), *ahead, still);
+            Sums::new(&costs).of(0..costs.len())
+        };
+        let cost = sides.iter().map(cost).sum::<Option<f64>>()?;
+
+        // it may change elsewhere, too: the frames near it tell by how much
+        let near = [first.saturating_sub(NEAR)..first, first..self.frames.len().min(first + NEAR)];
+        let near = near.map(|side| least(&costs, side).map(|(ahead, _)| lags[ahead]));
+        let frames = near[1].unwrap_or(behind) - near[0].unwrap_or(before);
+        let lost = self.change(first, What::Frames(frames), cost);
+        Some(((frames != 0).then_some(lost), vec![before, behind]))
+    }
+
+    /// R where it changes, with the same n in all frames; `None` if it changes by less than a calibration errs.
+    fn touched(&self, ahead: isize, jump: FrameIndex) -> Option<Change> {
+        let end = self.frames.len();
+        let mut first = self.frames.partition_point(|shown| shown.frame < jump);
+        let mut found = None;
+        for _ in 0..ROUNDS {
+            let still = self.turn(&[(0..first, ahead)], UnitQuaternion::identity())?;
+            let turn = self.turn(&[(first..end, ahead)], still)?;
+            let sums = |turn| [Sums::new(&self.costs(0..end, ahead, turn))];
+            let split = Split::best(&sums(still), &sums(turn))?;
+            found = Some((split, still.angle_to(&turn)));
+            if split.first_behind == first {
+                break;
+            }
+            first = split.first_behind;
+        }
+        let (split, turn_rad) = found.filter(|(_, turn_rad)| *turn_rad >= TURN_SD)?;
+        Some(self.change(split.first_behind, What::Turn(turn_rad), split.cost))
+    }
+
+    fn change(&self, first: usize, what: What, cost: f64) -> Change {
+        Change { camera: self.camera, frame: self.frames[first].frame, what, cost }
     }
 
     /// The body of n frames later before the camera turned by R.
@@ -76,27 +165,122 @@ impl<'m> Near<'m> {
         Some(offset.seen(&centre, &instant.motion))
     }
 
-    /// Mean cost with n and R.
-    fn cost(&self, ahead: isize, turn: UnitQuaternion<f64>) -> Option<f64> {
-        let cost = |(position, looks): &(usize, Vec<Look<'_>>)| {
-            Some(self.moments.cost(looks, &self.seen(*position, ahead, turn)?))
+    /// C_i(n, R); none where the body of n frames later is before or after the recording.
+    fn costs(
+        &self,
+        side: Range<usize>,
+        ahead: isize,
+        turn: UnitQuaternion<f64>,
+    ) -> Vec<Option<f64>> {
+        let cost = |shown: &ShownFrame<'_>| {
+            let motion = self.seen(shown.position, ahead, turn)?;
+            Some(self.moments.cost(&shown.looks, &motion))
         };
-        mean(self.looks.iter().filter_map(cost))
+        self.frames[side].par_iter().map(cost).collect()
     }
 
-    /// R with n.
-    fn turn(&self, ahead: isize, first: UnitQuaternion<f64>) -> Option<UnitQuaternion<f64>> {
+    /// R of some frames, each side with its n.
+    fn turn(
+        &self,
+        sides: &[(Range<usize>, isize)],
+        first: UnitQuaternion<f64>,
+    ) -> Option<UnitQuaternion<f64>> {
         let camera = &self.moments.evidence.rig.cameras[self.camera.0];
         let mut turn = first;
         for _ in 0..STEPS {
-            let mut shown = Vec::new();
-            for (position, looks) in &self.looks {
-                let Some(motion) = self.seen(*position, ahead, turn) else { continue };
-                let pixel = self.moments.shown_px(self.camera, looks, &motion)?;
-                shown.push((pixel, motion.position_world.into()));
-            }
-            turn *= turn_towards(camera, shown.into_iter());
+            let place = |shown: &ShownFrame<'_>, ahead: isize| {
+                let motion = self.seen(shown.position, ahead, turn)?;
+                let pixel = self.moments.shown_px(self.camera, &shown.looks, &motion)?;
+                Some((pixel, motion.position_world.into()))
+            };
+            let of_side = |(side, ahead): &(Range<usize>, isize)| {
+                let frames = self.frames[side.clone()].par_iter();
+                frames.filter_map(|shown| place(shown, *ahead)).collect::<Vec<_>>()
+            };
+            let places: Vec<_> = sides.iter().flat_map(of_side).collect();
+            turn *= turn_towards(camera, places.into_iter());
         }
         Some(turn)
+    }
+}
+
+/// Costs of frames, added up from the first on.
+struct Sums {
+    /// Before each frame, and after the last: the sum, and of how many frames it is known.
+    before: Vec<(f64, usize)>,
+}
+
+impl Sums {
+    fn new(costs: &[Option<f64>]) -> Self {
+        let mut sum = (0.0, 0);
+        let mut before = vec![sum];
+        for cost in costs {
+            sum = cost.map_or(sum, |cost| (sum.0 + cost, sum.1 + 1));
+            before.push(sum);
+        }
+        Self { before }
+    }
+
+    /// What some frames cost; where it is not known, as much as on the mean. `None` of too few frames.
+    fn of(&self, frames: Range<usize>) -> Option<f64> {
+        let (first, end) = (self.before[frames.start], self.before[frames.end]);
+        let known = end.1 - first.1;
+        (known >= SIDE).then(|| (end.0 - first.0) / known as f64 * frames.len() as f64)
+    }
+}
+
+/// Which of some choices costs least on a side, and what; `None` of too few frames.
+fn least(choices: &[Sums], side: Range<usize>) -> Option<(usize, f64)> {
+    let costs = choices.iter().enumerate();
+    let costs = costs.filter_map(|(i, sums)| Some((i, sums.of(side.clone())?)));
+    costs.min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// Where frames are split so that both sides together cost least.
+#[derive(Debug, Clone, Copy)]
+struct Split {
+    first_behind: usize,
+    /// Which of the choices of either side costs least.
+    before: usize,
+    behind: usize,
+    cost: f64,
+}
+
+impl Split {
+    /// Of some choices for either side; `None` of too few frames.
+    fn best(before: &[Sums], behind: &[Sums]) -> Option<Self> {
+        let frames = before.first()?.before.len() - 1;
+        let at = |first_behind: usize| {
+            let (before, cost_before) = least(before, 0..first_behind)?;
+            let (behind, cost_behind) = least(behind, first_behind..frames)?;
+            Some(Self { first_behind, before, behind, cost: cost_before + cost_behind })
+        };
+        (0..frames).filter_map(at).min_by(|a, b| a.cost.total_cmp(&b.cost))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_side_of_each_frame_is_the_one_that_costs_it_least() {
+        let known = |costs: [f64; 12]| Sums::new(&costs.map(Some));
+        let early = [1.0, 0.9, 1.1, 1.0, 0.8, 1.0, 3.0, 3.0, 3.0, 3.0, 3.0, 3.0];
+        let late = early.map(|cost| 4.0 - cost);
+        let choices = [known([2.0; 12]), known(early), known(late)];
+        let split = Split::best(&choices, &choices).expect("twelve frames");
+        assert_eq!((split.first_behind, split.before, split.behind), (6, 1, 2));
+
+        // of frames that are beyond the recording the others tell
+        let mut beyond = late.map(Some);
+        beyond[11] = None;
+        let split = Split::best(&choices, &[Sums::new(&beyond)]).expect("eleven frames");
+        assert_eq!((split.first_behind, split.before), (6, 1));
+        beyond[10..].fill(None);
+        let split = Split::best(&choices, &[Sums::new(&beyond)]).expect("ten frames");
+        assert_eq!(split.first_behind, 5, "no later one leaves five frames behind it");
+        beyond[9] = None;
+        assert!(Split::best(&choices, &[Sums::new(&beyond)]).is_none());
     }
 }

@@ -4,13 +4,15 @@
 //! into the tripod and after it, and so is its standard deviation; a camera that has lost frames is on time before and late after. Both jump:
 //! from one frame to the next, what the camera shows lies elsewhere beside the body or is of another time (`beside.rs`, `step.rs`).
 //!
-//! The body yields to a jump, and other cameras seem to jump with it. So each suspect is looked at alone, beside the body that the others show. The one
-//! without which they jump least comes first. What changes there is either time or the camera (`change.rs`).
+//! The body yields to a jump, and other cameras seem to jump with it. So each suspect is looked at alone, beside the body that the others show: by how
+//! many frames it may have lost there, and by how much it may have been turned (`change.rs`). What leaves the least cost is tried with all cameras,
+//! and whatever else leaves less than twice as much, for beside two cameras a body yields to either.
 //!
-//! - Lost frames: what the camera shows behind the jump is numbered anew, and the optimum is sought with all. If it still jumps, it was not that.
-//! - A camera that was touched, turned by more than a usual calibration errs: the optimum is sought without the shorter side of the jump.
+//! - Lost frames: what the camera shows behind the jump is numbered anew.
+//! - A camera that was touched, turned by more than a usual calibration errs: the shorter side of the jump is left out.
 //!
-//! Then the next, while two other cameras show something.
+//! If something still jumps there, it was not that. Of what is left, it is what makes all that is shown cost least. Then the next jump, while two other
+//! cameras show something.
 
 mod beside;
 mod change;
@@ -20,17 +22,17 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use beside::Moments;
-use change::Change;
-use step::{Step, largest_jump, steps};
+use change::{Change, What, costs_turned};
+use step::{Step, largest, largest_jump, steps};
 
 use super::diagnosis::{CameraFaults, Cause};
 use super::estimate::{Estimate, LastStage};
 use crate::body::Root;
 use crate::camera::{CameraId, Rig};
-use crate::inference::camera_prior::TURN_SD;
 use crate::inference::search::Trial;
 use crate::inference::{Evidence, Sequence};
 use crate::likelihood::Measure;
+use crate::math::stats::mean;
 use crate::silhouette::{FrameIndex, FrameObservations, numbered_anew};
 use crate::solver::Loss;
 
@@ -38,6 +40,8 @@ use crate::solver::Loss;
 const MOST_JUMPS: usize = 8;
 /// Of the cameras that seem to jump, so many are looked at.
 const SUSPECTS: usize = 3;
+/// A change that costs less than so many times the least beside the others is tried with all.
+const LIKELY: f64 = 2.0;
 /// A suspect is looked at beside two others.
 const LEAST_CAMERAS: usize = 3;
 
@@ -53,15 +57,12 @@ pub(super) struct Settled<'a> {
     pub(super) causes: Vec<Cause>,
 }
 
-/// A camera that jumps beside the body that the others show.
-struct Suspect {
-    camera: CameraId,
-    /// Where it may have lost frames, and how many.
-    lost: Option<(Step, isize)>,
-    /// Where it may have been touched, and by which angle it would be turned, radians.
-    touched: (Step, f64),
-    /// The largest step of another camera, over its limit.
-    others: f64,
+/// The optimum without a change that was tried.
+struct Tried<'a> {
+    settled: Settled<'a>,
+    cause: Cause,
+    /// What a view of a frame costs on the mean.
+    cost: f64,
 }
 
 impl<'a> Settled<'a> {
@@ -74,15 +75,15 @@ impl<'a> Settled<'a> {
         }
 
         while settled.causes.len() < MOST_JUMPS {
-            let Some((better, cause)) = settled.without_jump(stage, winner) else { break };
-            let causes = [settled.causes, vec![cause]].concat();
-            settled = Settled { causes, ..better };
+            let Some(best) = settled.without_jump(stage, winner) else { break };
+            let causes = [settled.causes, vec![best.cause]].concat();
+            settled = Settled { causes, ..best.settled };
         }
         settled
     }
 
-    /// Without the jump of one camera, and what it is; `None` where none jumps.
-    fn without_jump(&self, stage: &LastStage<'_>, winner: &Trial) -> Option<(Self, Cause)> {
+    /// Without the largest jump; `None` where none jumps, or nothing that is known to happen explains it.
+    fn without_jump(&self, stage: &LastStage<'_>, winner: &Trial) -> Option<Tried<'a>> {
         let ids = || stage.evidence.rig.iter().map(|(id, _)| id);
         let shows = |id: &CameraId| self.frames.iter().any(|frame| frame.is_shown_by(*id));
         if ids().filter(shows).count() < LEAST_CAMERAS {
@@ -90,86 +91,89 @@ impl<'a> Settled<'a> {
         }
 
         let steps = self.steps(stage);
-        let of_camera = |id| largest_jump(steps.iter().filter(|step| step.camera == id));
-        let mut jumps: Vec<Step> = ids().filter_map(of_camera).collect();
-        jumps.sort_by(|a, b| b.times().total_cmp(&a.times()));
+        largest_jump(&steps)?;
+        let of_camera = |id| largest(steps.iter().filter(|step| step.camera == id));
+        let mut suspects: Vec<Step> = ids().filter_map(of_camera).collect();
+        suspects.sort_by(|a, b| b.times().total_cmp(&a.times()));
 
-        // first the camera without which the others jump least
-        let suspects = jumps.into_iter().take(SUSPECTS);
-        let suspects = suspects.filter_map(|jump| self.suspect(stage, winner, jump.camera));
-        let mut suspects: Vec<Suspect> = suspects.collect();
-        suspects.sort_by(|a, b| a.others.total_cmp(&b.others));
-        suspects.iter().find_map(|suspect| self.without_jump_of(stage, winner, suspect))
+        // what may have changed, beside the body that the others show
+        let suspects = suspects.iter().take(SUSPECTS);
+        let changes = suspects.flat_map(|jump| self.changes(stage, winner, jump));
+        let mut changes: Vec<Change> = changes.collect();
+        changes.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+
+        // what did change, with all
+        let most = LIKELY * changes.first()?.cost;
+        let likely = changes.iter().take_while(|change| change.cost <= most);
+        let tried = likely.filter_map(|change| self.without(stage, winner, change));
+        tried.min_by(|a, b| a.cost.total_cmp(&b.cost))
     }
 
-    /// How a camera jumps beside the body that the others show; `None` if it does not.
-    fn suspect(&self, stage: &LastStage<'_>, winner: &Trial, camera: CameraId) -> Option<Suspect> {
+    /// What may have changed of a camera that seems to jump.
+    fn changes(&self, stage: &LastStage<'_>, winner: &Trial, jump: &Step) -> Vec<Change> {
         let options = stage.options.of_trial_alone();
-        let others = self.frames.iter().map(|frame| frame.without(camera)).collect();
+        let others = self.frames.iter().map(|frame| frame.without(jump.camera)).collect();
         let others = self.again(&LastStage { options: &options, ..*stage }, winner, others);
         let evidence = others.evidence(stage);
         let sequence = Sequence { frames: &self.frames, ..stage.sequence };
-        let moments = Moments::new(&evidence, &others.estimate, sequence);
-
-        // whole frames tell where some are lost, steps along the velocity where the camera is touched
-        let shown = moments.beside(stage.evidence.rig);
-        let mut in_frames = shown.clone();
-        in_frames[camera.0] = moments.with_whole_frames(camera, &shown[camera.0]);
-        let is_own = |step: &&Step| step.camera == camera;
-        let jump = largest_jump(steps(&shown).iter().filter(is_own));
-        let jump_in_frames = largest_jump(steps(&in_frames).iter().filter(is_own));
-        let changed = |jump: Step| {
-            let change = Change::of(&moments, camera, &in_frames[camera.0], jump.frame)?;
-            Some((jump, change))
-        };
-        let (jump, jump_in_frames) = (jump.and_then(changed), jump_in_frames.and_then(changed));
-
-        let lost = |(jump, change): (Step, Change)| Some((jump, change.lost?));
-        let touched = |(jump, change): (Step, Change)| (jump, change.turn_rad);
-        let (all, not_own) = (steps(&shown), |step: &&Step| step.camera != camera);
-        Some(Suspect {
-            camera,
-            lost: jump_in_frames.and_then(lost).or(jump.and_then(lost)),
-            touched: jump.or(jump_in_frames).map(touched)?,
-            others: all.iter().filter(not_own).map(Step::times).fold(0.0, f64::max),
-        })
+        Change::both(&Moments::new(&evidence, &others.estimate, sequence), jump)
     }
 
-    /// Without the jump of a camera: of time, or of the camera itself.
-    fn without_jump_of(
-        &self,
-        stage: &LastStage<'_>,
-        winner: &Trial,
-        suspect: &Suspect,
-    ) -> Option<(Self, Cause)> {
-        let id = suspect.camera;
+    /// Without a change; `None` if something still jumps there.
+    fn without(&self, stage: &LastStage<'_>, winner: &Trial, change: &Change) -> Option<Tried<'a>> {
+        let Change { camera: id, frame, .. } = *change;
         let camera = stage.evidence.rig.cameras[id.0].name.clone();
-        if let Some((jump, frames)) = suspect.lost {
-            let numbered = numbered_anew(&self.frames, id, jump.frame, frames);
-            let whole = self.again(stage, winner, numbered);
-            if !whole.jumps_at(stage, &jump) {
-                return Some((whole, Cause::LostFrames { camera, frame: jump.frame, frames }));
+        let (side, frames, cause) = match change.what {
+            What::Frames(frames) => {
+                let numbered = numbered_anew(&self.frames, id, frame, frames);
+                (0..0, numbered, Cause::LostFrames { camera, frame, frames })
             }
-        }
+            What::Turn(turn_rad) => {
+                let side = shorter_side(&self.frames, id, frame)?;
+                let kept = left_out(&self.frames, id, &side);
+                let left_out = [side.start, side.end - 1].map(FrameIndex);
+                let turn_deg = turn_rad.to_degrees();
+                (side, kept, Cause::TouchedWhile { camera, frame, turn_deg, left_out })
+            }
+        };
 
-        let (Step { frame, .. }, turn_rad) = suspect.touched;
-        if turn_rad < TURN_SD {
+        let settled = self.again(stage, winner, frames);
+        let steps = settled.steps(stage);
+        let jumps = |step: &&Step| step.is_about(frame);
+        if largest_jump(steps.iter().filter(jumps)).is_some() {
             return None;
         }
-        let side = shorter_side(&self.frames, id, frame)?;
-        let without = self.again(stage, winner, left_out(&self.frames, id, &side));
-        let turn_deg = turn_rad.to_degrees();
-        let left_out = [side.start, side.end - 1].map(FrameIndex);
-        Some((without, Cause::TouchedWhile { camera, frame, turn_deg, left_out }))
+
+        let cost = settled.cost_per_view(stage, (&self.frames, id, &side))?;
+        Some(Tried { settled, cause, cost })
+    }
+
+    /// What a view of a frame costs on the mean. Those that were left out of a camera count as if it had been turned to what it shows there.
+    fn cost_per_view(
+        &self,
+        stage: &LastStage<'_>,
+        (all, camera, side): (&[FrameObservations], CameraId, &Range<usize>),
+    ) -> Option<f64> {
+        let evidence = self.evidence(stage);
+        let moments =
+            |frames| Moments::new(&evidence, &self.estimate, Sequence { frames, ..stage.sequence });
+        let used = moments(&self.frames);
+        let costs = stage.evidence.rig.iter().flat_map(|(id, _)| used.costs(id));
+        mean(costs.chain(costs_turned(&moments(all), camera, side)?))
     }
 
     /// The optimum of other frames.
-    fn again(&self, stage: &LastStage<'_>, winner: &Trial, frames: Vec<FrameObservations>) -> Self {
+    fn again(
+        &self,
+        stage: &LastStage<'_>,
+        winner: &Trial,
+        frames: Vec<FrameObservations>,
+    ) -> Settled<'a> {
         let faults = CameraFaults::of(stage.evidence.rig, &frames);
         let sequence = Sequence { frames: &frames, ..stage.sequence };
         let (estimate, measure) = LastStage { sequence, faults: &faults, ..*stage }.run(winner);
         let (frames, faults) = (Cow::Owned(frames), Cow::Owned(faults));
-        Self { estimate, measure, frames, faults, causes: Vec::new() }
+        Settled { estimate, measure, frames, faults, causes: Vec::new() }
     }
 
     /// Every step of what cameras show beside this optimum.
@@ -177,12 +181,6 @@ impl<'a> Settled<'a> {
         let evidence = self.evidence(stage);
         let sequence = Sequence { frames: &self.frames, ..stage.sequence };
         steps(&Moments::new(&evidence, &self.estimate, sequence).beside(stage.evidence.rig))
-    }
-
-    /// Whether a camera still jumps about there.
-    fn jumps_at(&self, stage: &LastStage<'_>, jump: &Step) -> bool {
-        let is_it = |step: &&Step| step.camera == jump.camera && step.is_about(jump);
-        largest_jump(self.steps(stage).iter().filter(is_it)).is_some()
     }
 
     /// The body before the cameras where they were found to be. All errors count as they are: a jump is no outlier.

@@ -17,7 +17,7 @@ use crate::math::stats::median;
 use crate::silhouette::FrameIndex;
 
 /// Frames on either side of a step.
-const SIDE: usize = 5;
+pub(super) const SIDE: usize = 5;
 /// They may lie so many times as far apart as they would without missing ones.
 const MOST_APART: usize = 3;
 /// A jump is so many standard deviations large.
@@ -50,9 +50,9 @@ impl Step {
         (self.size_m / self.limit_m).max(self.frames / self.limit_frames)
     }
 
-    /// Whether some frames are on both sides of both.
-    pub(super) fn is_about(&self, other: &Self) -> bool {
-        self.frame.0.abs_diff(other.frame.0) < SIDE
+    /// Whether it is so near a frame that lines on both sides hold frames of both sides of it.
+    pub(super) fn is_about(&self, frame: FrameIndex) -> bool {
+        self.frame.0.abs_diff(frame.0) < SIDE
     }
 
     fn is_jump(&self) -> bool {
@@ -82,14 +82,18 @@ pub(super) fn steps(of_cameras: &[Vec<Beside>]) -> Vec<Step> {
 
 /// The steps of a camera of which no frames are on both sides of its largest: a jump does not tell what is usual.
 fn apart_from_largest(steps: &[Step]) -> impl Iterator<Item = &Step> {
-    let largest = steps.iter().max_by(|a, b| a.times().total_cmp(&b.times()));
-    steps.iter().filter(move |step| largest.is_some_and(|largest| !step.is_about(largest)))
+    let largest = largest(steps);
+    steps.iter().filter(move |step| largest.is_some_and(|largest| !step.is_about(largest.frame)))
+}
+
+/// The largest of some.
+pub(super) fn largest<'s>(steps: impl IntoIterator<Item = &'s Step>) -> Option<Step> {
+    steps.into_iter().max_by(|a, b| a.times().total_cmp(&b.times())).copied()
 }
 
 /// The largest of those that are jumps.
 pub(super) fn largest_jump<'s>(steps: impl IntoIterator<Item = &'s Step>) -> Option<Step> {
-    let jumps = steps.into_iter().filter(|step| step.is_jump());
-    jumps.max_by(|a, b| a.times().total_cmp(&b.times())).copied()
+    largest(steps).filter(Step::is_jump)
 }
 
 /// σ of steps, in metres and in frames.
