@@ -112,11 +112,23 @@ fn masks_that_hold_two_people_give_a_result_for_each() {
 fn masks_with_a_value_for_each_person_name_them_and_one_who_is_not_there_is_named() {
     let people = walkers();
     let folder = recording(&people, [3, 1]);
+    // in one picture nobody was told apart, and in none was anybody detected
+    let of_camera =
+        |of: &str| folder.path().join(of.replace("CAMERA", &people[0].rig.cameras[0].name));
+    let white = of_camera("masks/CAMERA/000000.png");
+    let mut image = image::open(&white).expect("a mask").into_luma8();
+    image.iter_mut().filter(|value| **value > 0).for_each(|value| *value = 255);
+    image.save(&white).expect("a file");
+    fs::create_dir_all(of_camera("pose/CAMERA_json")).expect("a folder");
+    fs::write(of_camera("pose/CAMERA_json/000000.json"), "{\"people\": []}").expect("a file");
+
     let recording = Recording::open(folder.path()).expect("a recording").with_fps(FPS);
     // the lowest value is the second walker's
     let fit = recording.fit(&options(1)).expect("a fit");
     let off = off_m(&fit, &people[1]);
     assert!(off < 0.03, "{off} m");
+    let nobody = "detections: none is of the person whom the masks show: not used";
+    assert!(fit.result.warnings.iter().any(|warning| warning == nobody));
     let fault = recording.fit(&options(3)).expect_err("there are two");
     assert_eq!(fault.to_string(), "person 3 was asked for, and 2 people are seen: --person 1 to 2");
 }

@@ -86,8 +86,14 @@ impl ReportArguments {
         self.subject.report(&study, &self.out, self.page.language(), progress)
     }
 
-    /// The trials of a session.
+    /// The trials of a session, whose own file says who walked.
     fn session(&self) -> Result<SessionStudy, CliError> {
+        if let Some(argument) = self.subject.given() {
+            let out = self.out.display();
+            return Err(CliError::Arguments(format!(
+                "{argument}: {out} is of a session: who walked, and which trial is the standing one, stands in its session.toml (docs/session.md)"
+            )));
+        }
         let norm = norm_choice(self.norm.as_deref());
         Ok(SessionStudy::open(&self.out, self.body.as_deref(), norm)?)
     }

@@ -79,6 +79,21 @@ impl EventArguments {
 }
 
 impl SubjectArguments {
+    /// The first argument that says who was recorded, or shows them.
+    pub(super) fn given(&self) -> Option<&'static str> {
+        let all = [
+            ("--subject", self.subject.is_some()),
+            ("--age", self.age.is_some()),
+            ("--sex", self.sex.is_some()),
+            ("--date", self.date.is_some()),
+            ("--condition", self.condition.is_some()),
+            ("--neutral", self.neutral.is_some()),
+            ("--footwear", self.footwear.is_some()),
+            ("--recording", self.recording.is_some()),
+        ];
+        all.into_iter().find(|(_, is_given)| *is_given).map(|(name, _)| name)
+    }
+
     /// The study with angles from the standing pose, if there is one, compared with a norm: a file, `none`, or the shipped one.
     pub(super) fn compare(
         &self,

@@ -1,5 +1,7 @@
 //! What a recording lacks, made of its pictures and kept in a folder: masks, contours, points.
 
+use serde_json::{Value, json};
+
 use super::detections::MOST_PEOPLE;
 use super::given::Given;
 use super::masks::{self, cut_masks};
@@ -11,7 +13,7 @@ use crate::io::folder::stereo::{self, StereoExtras, StereoFolder};
 use crate::io::recording::footage::{Footage, FootageError, FootageNote};
 use crate::io::recording::{DerivedFiles, Note, ObservationFiles, Recording, RecordingError};
 use crate::pipeline::stereo::{StereoMethod, StereoOptions};
-use crate::pipeline::{FitTo, Progress, span};
+use crate::pipeline::{FitTo, ObservationOptions, Progress, span};
 use crate::silhouette::FrameObservations;
 use crate::stereo::SideBySide;
 
@@ -96,7 +98,7 @@ impl Derived<'_> {
         footage: &Footage,
         options: &FitOptions,
     ) -> Result<Vec<String>, Error> {
-        if let Some(notes) = self.kept_notes(segmented::QUALITY) {
+        if let Some(notes) = self.kept_notes(segmented::QUALITY, options) {
             return Ok(notes);
         }
         let frames = footage.frames();
@@ -108,7 +110,7 @@ impl Derived<'_> {
         };
         let found =
             cut_masks(footage, &people, frames, self.out, MaskExtras::default(), self.progress)?;
-        self.keep_notes(segmented::QUALITY, found.notes)
+        self.keep_notes(segmented::QUALITY, options, found.notes)
     }
 
     /// Measures points in the pictures of the frames that are fitted, where the masks show the person, and says what was odd.
@@ -119,17 +121,17 @@ impl Derived<'_> {
         method: StereoMethod,
         options: &FitOptions,
     ) -> Result<Vec<String>, Error> {
-        if let Some(notes) = self.kept_notes(stereo::TABLE) {
+        if let Some(notes) = self.kept_notes(stereo::TABLE, options) {
             return Ok(notes);
         }
         let frames = footage.frames();
         let frames = options.frames.select(&frames)?;
-        let options = StereoOptions { method, ..StereoOptions::default() };
-        options.choose_cameras(&footage.rig)?;
+        let by = StereoOptions { method, ..StereoOptions::default() };
+        by.choose_cameras(&footage.rig)?;
 
         let folder = StereoFolder::open(self.out, footage.up, StereoExtras::default())?;
-        let found = measure_points(footage, Some(masks), frames, &options, folder, self.progress)?;
-        self.keep_notes(stereo::TABLE, found.notes)
+        let found = measure_points(footage, Some(masks), frames, &by, folder, self.progress)?;
+        self.keep_notes(stereo::TABLE, options, found.notes)
     }
 
     /// Finds the contours of the frames that are fitted by a body that predicts them (PF02, §4.3), and points with them.
@@ -168,17 +170,30 @@ impl Derived<'_> {
         Ok((noted(files, notes), Some(observed)))
     }
 
-    /// What an earlier run that is continued found odd, if it has finished what it writes this table after.
-    fn kept_notes(&self, table: &str) -> Option<Vec<String>> {
-        self.is_resumed.then(|| self.out.kept_notes(table)).flatten()
+    /// What an earlier run that is continued found odd, if it has finished what it writes this table after, and was told the same.
+    fn kept_notes(&self, table: &str, options: &FitOptions) -> Option<Vec<String>> {
+        self.is_resumed.then(|| self.out.kept_notes(table, &told(options))).flatten()
     }
 
     /// Keeps what was odd beside a finished table, and says it at once.
-    fn keep_notes(&self, table: &str, notes: Vec<String>) -> Result<Vec<String>, Error> {
-        self.out.keep_notes(table, &notes)?;
+    fn keep_notes(
+        &self,
+        table: &str,
+        options: &FitOptions,
+        notes: Vec<String>,
+    ) -> Result<Vec<String>, Error> {
+        self.out.keep_notes(table, &told(options), &notes)?;
         notes.iter().for_each(|note| self.progress.note(note));
         Ok(notes)
     }
+}
+
+/// What masks and points that are made of pictures depend on, besides the pictures.
+fn told(options: &FitOptions) -> Value {
+    let ObservationOptions { fit_to, people, .. } = options.observations;
+    let stereo = options.stereo.map(|method| format!("{method:?}"));
+    let frames = options.frames.to_string();
+    json!({ "frames": frames, "fit_to": fit_to, "most_people": people.most, "stereo": stereo })
 }
 
 fn lines(notes: &[FootageNote]) -> Vec<String> {

@@ -12,7 +12,7 @@ use crate::inference::Sequence;
 use crate::io::model::{self, ModelText};
 use crate::io::recording::{InputChecksum, Note, ObservationFiles, Recording};
 use crate::io::result::OptionsPart;
-use crate::pipeline::{FitError, Progress, check_measure, check_scene, fits_points};
+use crate::pipeline::{FitError, FitTo, Progress, check_measure, check_scene, fits_points};
 use crate::silhouette::FrameObservations;
 
 /// The body when nobody names one: its contours and depths are those of a skin.
@@ -62,6 +62,10 @@ impl FitInput {
         let others = people.split_off(1);
         let observations = people.remove(0);
         files.notes.extend(files.notes_on(&observations));
+        let has_detections = observations.iter().any(|frame| !frame.detections.is_empty());
+        if fit_to == FitTo::All && files.has_detections() && !has_detections {
+            files.notes.push(Note::NobodyDetected);
+        }
         if files.has_points() && !fits_points(&model, options.estimate.measure) {
             files.notes.push(Note::PointsUnfitted { body: model.name.clone() });
         }

@@ -13,6 +13,9 @@ use crate::io::recording::{Note, ObservationFiles, RecordingError};
 use crate::pipeline::{FitError, LEAST_SHARE, PeopleOptions, Progress, by_labels, people};
 use crate::silhouette::{FrameObservations, Silhouette};
 
+/// Of so many frames the masks are asked whether they have a value for each person.
+const ASKED: usize = 8;
+
 /// The person who is measured, and all others, numbered.
 pub(super) struct People {
     pub(super) measured: FitInput,
@@ -57,14 +60,16 @@ impl People {
     }
 }
 
-/// Whether the masks have a value for each person.
+/// Whether the masks have a value for each person: one of some frames has; where nobody was told apart, it is white.
 fn is_labelled(input: &FitInput) -> Result<bool, RecordingError> {
-    let first =
-        input.observations.iter().find_map(|seen| Some((seen.views.first()?.0, seen.frame)));
-    Ok(match first {
-        Some((camera, frame)) => input.files.load_labels(camera, frame)?.is_some(),
-        None => false,
-    })
+    let apart = input.observations.len().div_ceil(ASKED).max(1);
+    let asked = input.observations.iter().step_by(apart);
+    for (frame, (camera, _)) in asked.flat_map(|seen| seen.views.iter().map(|v| (seen.frame, v))) {
+        if input.files.load_labels(*camera, frame)?.is_some() {
+            return Ok(true);
+        }
+    }
+    Ok(false)
 }
 
 /// The shares of the people whose values the masks have, in the order of these; empty if it is one.

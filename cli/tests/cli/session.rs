@@ -74,6 +74,10 @@ fn a_folder_of_trials_gets_one_body_and_is_taken_up_again() {
     let fewer: Value = serde_json::from_str(&fewer.out).expect("JSON");
     assert_eq!(fewer["session"]["without"][0], "wave2");
     assert_eq!(fewer["session"]["trials"].as_array().map(Vec::len), Some(1));
+
+    // who walked stands in session.toml
+    let out = arm.out("out").display().to_string();
+    run(&["report", &out, "--neutral", &out]).refused(&["--neutral: ", "session.toml"]);
 }
 
 #[test]

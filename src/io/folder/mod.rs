@@ -24,6 +24,8 @@ pub use files::write_atomically;
 use files::{UNFINISHED, remove_unfinished, sync_folder};
 pub(super) use files::{file_name, parent_of, write_encoded};
 use lock::FolderLock;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use tempfile::TempDir;
 
 /// Why a result cannot be written.
@@ -107,6 +109,15 @@ pub fn check_out(folder: &Path, existing: Existing) -> Result<(), OutError> {
 /// replaced: the result last, so that where it stands all of it stands.
 const RESULTS: [&str; 5] = ["overlays", "skin", "joints.trc", origin::ORIGIN, "result.json"];
 
+/// What is kept beside a finished run's files.
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    /// What the run was told.
+    told: Value,
+    /// What was odd about its inputs.
+    notes: Vec<String>,
+}
+
 /// A folder that results are written into, by nobody else as long as this value lives.
 #[derive(Debug)]
 pub struct OutFolder {
@@ -167,21 +178,25 @@ impl OutFolder {
         Ok(())
     }
 
-    /// Keeps what was odd about the inputs of a finished run, for whoever continues from its files.
+    /// Keeps what was odd about the inputs of a finished run, and what it was told, for whoever continues from its files.
     ///
     /// # Errors
     /// [`OutError::Write`] names the file.
-    pub fn keep_notes(&self, mark: &str, notes: &[String]) -> Result<(), OutError> {
-        let bytes = serde_json::to_vec(notes).map_err(io::Error::from);
+    pub fn keep_notes(&self, mark: &str, told: &Value, notes: &[String]) -> Result<(), OutError> {
+        let kept = Kept { told: told.clone(), notes: notes.to_vec() };
+        let bytes = serde_json::to_vec(&kept).map_err(io::Error::from);
         let bytes = bytes.map_err(|source| OutError::write(&self.path, source))?;
         self.write(&notes_of(mark), &bytes)
     }
 
-    /// The notes of the run of a mark, if it was finished.
-    pub fn kept_notes(&self, mark: &str) -> Option<Vec<String>> {
-        let notes = self.path.join(notes_of(mark));
-        let is_finished = self.path.join(mark).is_file();
-        is_finished.then(|| serde_json::from_slice(&fs::read(notes).ok()?).ok()).flatten()
+    /// The notes of the run of a mark, if it was finished and told the same.
+    pub fn kept_notes(&self, mark: &str, told: &Value) -> Option<Vec<String>> {
+        if !self.path.join(mark).is_file() {
+            return None;
+        }
+        let bytes = fs::read(self.path.join(notes_of(mark))).ok()?;
+        let kept: Kept = serde_json::from_slice(&bytes).ok()?;
+        (kept.told == *told).then_some(kept.notes)
     }
 
     /// Stands while the run of a mark is not finished.
@@ -296,6 +311,19 @@ mod tests {
             fs::read_dir(folder.path()).unwrap().flatten().map(|e| e.file_name()).collect();
         left.sort();
         assert_eq!(left, ["notes.txt", "quality.csv"]);
+    }
+
+    #[test]
+    fn what_a_finished_run_found_odd_is_kept_for_whoever_tells_the_same() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = OutFolder::open(folder.path()).unwrap();
+        let told = Value::from("masks of frames 3 to 9");
+        let notes = ["dark".to_owned()];
+        out.keep_notes("quality.csv", &told, &notes).unwrap();
+        assert_eq!(out.kept_notes("quality.csv", &told), None, "not finished");
+        out.finish("quality.csv", Ok(b"frame".to_vec())).unwrap();
+        assert_eq!(out.kept_notes("quality.csv", &told), Some(notes.to_vec()));
+        assert_eq!(out.kept_notes("quality.csv", &Value::from("other frames")), None);
     }
 
     #[test]

@@ -141,6 +141,9 @@ pub enum Note {
         /// Who is measured.
         person: usize,
     },
+    /// No detection is of whom the masks show.
+    #[error("detections: none is of the person whom the masks show: not used")]
+    NobodyDetected,
     /// A camera whose detections are of nobody whom the others see.
     #[error(
         "camera {camera}: none of its detections is of the person whom the others see: check its calibration and offset_frames"
