@@ -126,11 +126,11 @@ impl Derived<'_> {
         }
         let frames = footage.frames();
         let frames = options.frames.select(&frames)?;
-        let by = StereoOptions { method, ..StereoOptions::default() };
-        by.choose_cameras(&footage.rig)?;
+        let settings = StereoOptions { method, ..StereoOptions::default() };
+        settings.choose_cameras(&footage.rig)?;
 
         let folder = StereoFolder::open(self.out, footage.up, StereoExtras::default())?;
-        let found = measure_points(footage, Some(masks), frames, &by, folder, self.progress)?;
+        let found = measure_points(footage, Some(masks), frames, &settings, folder, self.progress)?;
         self.keep_notes(stereo::TABLE, options, found.notes)
     }
 

@@ -97,17 +97,28 @@ impl<'a> Moments<'a> {
     }
 
     /// What some looks cost before a motion.
-    pub(super) fn cost(&self, looks: &[Look<'_>], motion: &Motion) -> f64 {
+    pub(super) fn cost<'l>(
+        &self,
+        looks: impl IntoIterator<Item = &'l Look<'l>>,
+        motion: &Motion,
+    ) -> f64 {
         let body = self.posed(motion);
-        looks.iter().flat_map(|look| &look.terms).map(|term| term.cost(&body)).sum()
+        looks.into_iter().flat_map(|look| &look.terms).map(|term| term.cost(&body)).sum()
     }
 
-    /// What each frame of a camera costs.
-    pub(super) fn costs(&self, id: CameraId) -> Vec<f64> {
-        let cost = |(_, position, looks): &(FrameIndex, usize, Vec<Look<'_>>)| {
-            Some(self.cost(looks, &self.later(id, *position, 0)?.motion))
+    /// What each view of some cameras costs, frame by frame.
+    pub(super) fn costs(&self, is_asked: impl Fn(CameraId) -> bool + Sync) -> Vec<f64> {
+        let of_frame = |(i, frame): (usize, &FrameObservations)| {
+            let looks = self.evidence.looks(frame, Detail::Thinned);
+            let of_camera = |id: CameraId| {
+                let mut own = looks.iter().filter(|look| look.camera == Some(id.0)).peekable();
+                own.peek()?;
+                Some(self.cost(own, &self.later(id, i, 0)?.motion))
+            };
+            let asked = self.evidence.rig.iter().map(|(id, _)| id).filter(|id| is_asked(*id));
+            asked.filter_map(of_camera).collect::<Vec<f64>>()
         };
-        self.looks(id).par_iter().filter_map(cost).collect()
+        self.sequence.frames.par_iter().enumerate().flat_map_iter(of_frame).collect()
     }
 
     /// What one shows; `None` where it shows nothing.

@@ -25,6 +25,8 @@ use crate::silhouette::FrameIndex;
 
 /// At most so many frames are lost at once.
 const MOST_LOST: isize = 25;
+/// So many n are tried.
+const CHOICES: usize = 2 * MOST_LOST as usize + 1;
 /// By how many frames it is ahead on either side of a jump, so many frames tell.
 const NEAR: usize = 12;
 /// A turn is found in so many steps.
@@ -56,12 +58,17 @@ impl Change {
     /// Both that are possible of a camera that jumps somewhere, beside the body of the others.
     pub(super) fn both(moments: &Moments<'_>, jump: &Step) -> Vec<Self> {
         let shown = Shown::new(moments, jump.camera);
-        let Some((lost, ahead)) = shown.lost() else { return Vec::new() };
-        let touched = ahead.iter().filter_map(|ahead| shown.touched(*ahead, jump.frame));
+        let by_frames = shown.by_whole_frames();
+        let Some(split) = Split::best(&by_frames, &by_frames) else { return Vec::new() };
+        let lost = shown.lost(&by_frames, split);
+
+        // of a camera that was touched the frames of either side may tell n
+        let mut ahead = vec![whole_frames(split.before), whole_frames(split.behind)];
+        ahead.dedup();
+        let touched = ahead.into_iter().filter_map(|ahead| shown.touched(ahead, jump.frame));
         let touched = touched.min_by(|a, b| a.cost.total_cmp(&b.cost));
 
-        let others = moments.evidence.rig.iter().filter(|(id, _)| *id != jump.camera);
-        let others: f64 = others.flat_map(|(id, _)| moments.costs(id)).sum();
+        let others: f64 = moments.costs(|id| id != jump.camera).iter().sum();
         let both = lost.into_iter().chain(touched);
         both.map(|change| Self { cost: change.cost + others, ..change }).collect()
     }
@@ -101,24 +108,24 @@ impl<'m> Shown<'m> {
         Self { moments, camera, frames: frames.collect() }
     }
 
-    /// n where it changes, if it does, and the two n of which one is in all frames if it does not; `None` if the camera shows too little.
-    fn lost(&self) -> Option<(Option<Change>, Vec<isize>)> {
-        let none = UnitQuaternion::identity();
-        let lags: Vec<isize> = (-MOST_LOST..=MOST_LOST).collect();
-        let costs: Vec<Sums> = lags
-            .iter()
-            .map(|ahead| Sums::new(&self.costs(0..self.frames.len(), *ahead, none)))
-            .collect();
-        let split = Split::best(&costs, &costs)?;
-        let [before, behind] = [lags[split.before], lags[split.behind]];
-        if before == behind {
-            return Some((None, vec![before]));
+    /// What the frames cost with each n.
+    fn by_whole_frames(&self) -> Vec<Sums> {
+        let costs =
+            |i| self.costs(0..self.frames.len(), whole_frames(i), UnitQuaternion::identity());
+        (0..CHOICES).map(|i| Sums::new(&costs(i))).collect()
+    }
+
+    /// n where it changes, by what the frames cost with each; `None` if it does not.
+    fn lost(&self, by_frames: &[Sums], split: Split) -> Option<Change> {
+        if split.before == split.behind {
+            return None;
         }
 
         // R₀ of both sides together
-        let first = split.first_behind;
-        let sides = [(0..first, before), (first..self.frames.len(), behind)];
-        let still = self.turn(&sides, none)?;
+        let (first, end) = (split.first_behind, self.frames.len());
+        let [before, behind] = [split.before, split.behind].map(whole_frames);
+        let sides = [(0..first, before), (first..end, behind)];
+        let still = self.turn(&sides, UnitQuaternion::identity())?;
         let cost = |(side, ahead): &(Range<usize>, isize)| {
             let costs = self.costs(side.clone(), *ahead, still);
             Sums::new(&costs).of(0..costs.len())
@@ -126,11 +133,10 @@ impl<'m> Shown<'m> {
         let cost = sides.iter().map(cost).sum::<Option<f64>>()?;
 
         // it may change elsewhere, too: the frames near it tell by how much
-        let near = [first.saturating_sub(NEAR)..first, first..self.frames.len().min(first + NEAR)];
-        let near = near.map(|side| least(&costs, side).map(|(ahead, _)| lags[ahead]));
+        let near = [first.saturating_sub(NEAR)..first, first..end.min(first + NEAR)];
+        let near = near.map(|side| least(by_frames, side).map(|(i, _)| whole_frames(i)));
         let frames = near[1].unwrap_or(behind) - near[0].unwrap_or(before);
-        let lost = self.change(first, What::Frames(frames), cost);
-        Some(((frames != 0).then_some(lost), vec![before, behind]))
+        (frames != 0).then(|| self.change(first, What::Frames(frames), cost))
     }
 
     /// R where it changes, with the same n in all frames; `None` if it changes by less than a calibration errs.
@@ -202,6 +208,11 @@ impl<'m> Shown<'m> {
         }
         Some(turn)
     }
+}
+
+/// The n of a choice.
+fn whole_frames(choice: usize) -> isize {
+    choice as isize - MOST_LOST
 }
 
 /// Costs of frames, added up from the first on.

@@ -157,9 +157,8 @@ impl<'a> Settled<'a> {
         let evidence = self.evidence(stage);
         let moments =
             |frames| Moments::new(&evidence, &self.estimate, Sequence { frames, ..stage.sequence });
-        let used = moments(&self.frames);
-        let costs = stage.evidence.rig.iter().flat_map(|(id, _)| used.costs(id));
-        mean(costs.chain(costs_turned(&moments(all), camera, side)?))
+        let used = moments(&self.frames).costs(|_| true);
+        mean(used.into_iter().chain(costs_turned(&moments(all), camera, side)?))
     }
 
     /// The optimum of other frames.
