@@ -1,4 +1,4 @@
-//! A camera that loses frames while it records.
+//! A camera that loses frames while it records, and one that is touched.
 
 mod ellipsoid_person;
 
@@ -7,11 +7,13 @@ use std::sync::LazyLock;
 use maquette::body::{BodyModel, Motion, Posed, Shape};
 use maquette::camera::{CameraId, Rig};
 use maquette::inference::Sequence;
+use maquette::inference::camera_offset::CameraOffset;
 use maquette::inference::search::{NoJournal, SearchOptions};
 use maquette::inference::start::StartOptions;
 use maquette::pipeline::{Cause, EstimateOptions, Fit, FittedFrame, fit};
 use maquette::silhouette::{FrameIndex, FrameObservations};
 use maquette::synth::draw_shape;
+use nalgebra::{UnitQuaternion, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -22,8 +24,9 @@ const FRAMES: usize = 40;
 /// The camera that jumps, and its first frame then.
 const JUMPS: CameraId = CameraId(1);
 const FROM: usize = 23;
-/// Frames that are lost before it.
+/// Frames that are lost before it, or by how much it is turned.
 const LOST: usize = 2;
+const TURN_DEG: f64 = 1.0;
 
 /// A person who walks before four cameras.
 struct Scene {
@@ -44,7 +47,25 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
 impl Scene {
     /// What the rig sees of a moment, with the number of a frame.
     fn seen(&self, moment: usize, number: usize) -> FrameObservations {
-        observe(&Posed::new(&self.model, &self.shape, &self.motions[moment]), &self.rig, number)
+        self.seen_by(&self.rig, moment, number)
+    }
+
+    fn seen_by(&self, rig: &Rig, moment: usize, number: usize) -> FrameObservations {
+        observe(&Posed::new(&self.model, &self.shape, &self.motions[moment]), rig, number)
+    }
+
+    /// The recording of a camera that is turned from a frame on.
+    fn recording_of_touched(&self) -> Vec<FrameObservations> {
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), TURN_DEG.to_radians());
+        let still = CameraOffset::none();
+        let offset =
+            |id: CameraId| if id == JUMPS { CameraOffset { turn, ..still } } else { still };
+        let turned = CameraOffset::applied(&self.rig, self.rig.iter().map(|(id, _)| offset(id)));
+        let frame = |i: usize| match i < FROM {
+            true => self.seen(i, i),
+            false => self.seen(i, i).with(JUMPS, &self.seen_by(&turned, i, i)),
+        };
+        (0..FRAMES).map(frame).collect()
     }
 
     /// The recording; from a frame on, the camera that jumps shows so many frames later.
@@ -105,4 +126,21 @@ fn a_camera_that_loses_frames_is_named_with_the_frame_and_costs_the_body_nothing
 
     let [best, with] = [&clean, &lost].map(|fit| scene.error_mm(fit));
     assert!(with < 1.2 * best, "{with} mm, {best} mm without");
+}
+
+#[test]
+fn a_camera_that_is_touched_is_named_with_the_frame_and_what_it_shows_behind_is_left_out() {
+    let scene = &*SCENE;
+    let touched = scene.fitted(&scene.recording_of_touched());
+    let name = &scene.rig.cameras[JUMPS.0].name;
+    let [Cause::TouchedWhile { camera, frame, turn_deg, left_out }] = &touched.verdict.causes[..]
+    else {
+        panic!("{:?}", touched.verdict);
+    };
+    assert_eq!((camera, *frame), (name, FrameIndex(FROM)));
+    assert!((turn_deg - TURN_DEG).abs() < 0.3, "{turn_deg}°");
+    assert_eq!(*left_out, [FROM, FRAMES - 1].map(FrameIndex));
+    let shows = |frame: &FittedFrame| frame.views.iter().any(|view| view.camera == *name);
+    assert!(touched.frames[..FROM].iter().all(shows));
+    assert!(!touched.frames[FROM..].iter().any(shows));
 }

@@ -15,7 +15,7 @@ use maquette::inference::search::{NoJournal, Origin, Pruning, Search, SearchOpti
 use maquette::inference::start::{StartOptions, readings};
 use maquette::inference::{Detail, Evidence, Sequence};
 use maquette::likelihood::EllipseOptions;
-use maquette::pipeline::{Cameras, Clocks, EstimateOptions, Fit, fit};
+use maquette::pipeline::{Cameras, Cause, Clocks, EstimateOptions, Fit, POSE, fit};
 use maquette::silhouette::{FrameIndex, FrameObservations};
 use maquette::solver::{NormalEquations, Options, Solution, levenberg_marquardt};
 use maquette::synth::draw_shape;
@@ -248,14 +248,14 @@ fn a_camera_that_was_touched_is_found_and_costs_the_body_nothing() {
     let touched = CameraOffset {
         turn: UnitQuaternion::from_scaled_axis(Vector3::new(0.006, -0.005, 0.007)),
         displacement_m: Vector3::new(-0.006, 0.008, 0.01),
-        ahead_s: 0.0,
+        ..CameraOffset::none()
     };
     // the second camera of the calibration stands where it was before it was touched
     let mut calibrated = scene.rig.clone();
     let back = CameraOffset {
         turn: touched.turn.inverse(),
         displacement_m: -touched.displacement_m,
-        ahead_s: 0.0,
+        ..CameraOffset::none()
     };
     let rig = CameraOffset::applied(&scene.rig, std::iter::repeat_n(back, 4));
     calibrated.cameras[1] = rig.cameras[1].clone();
@@ -287,14 +287,43 @@ fn a_camera_that_was_touched_is_found_and_costs_the_body_nothing() {
 
     // how sure the poses are together, with the standard deviations that are stated
     let covariance = found.camera_covariances.poses.as_ref().expect("it is known");
-    assert_eq!(covariance.nrows(), 24);
+    assert_eq!(covariance.nrows(), 4 * POSE);
     assert!(covariance.clone().cholesky().is_some(), "it is positive definite");
     for (camera, quality) in found.cameras.iter().enumerate() {
         let sd = quality.found.pose.and_then(|pose| pose.displacement_sd_m).expect("it is known");
-        let stated = covariance[(6 * camera + 3, 6 * camera + 3)].sqrt();
+        let stated = covariance[(POSE * camera + 3, POSE * camera + 3)].sqrt();
         approx::assert_relative_eq!(stated, sd[0], max_relative = 1e-9);
     }
     assert!(trusting.camera_covariances.poses.is_none());
+}
+
+/// A lens that was calibrated 4 % too long, and all lenses.
+#[test]
+fn a_focal_length_that_is_wrong_is_found_and_named_and_the_others_are_not() {
+    let scene = &*SCENE;
+    let mut one = scene.rig.clone();
+    one.cameras[1] = one.cameras[1].zoomed(1.04);
+    let found = fitted(&one, &scene.frames, Cameras::Refine, Clocks::Trust);
+    let trusting = fitted(&one, &scene.frames, Cameras::Trust, Clocks::Trust);
+    let best = fitted(&scene.rig, &scene.frames, Cameras::Refine, Clocks::Trust);
+
+    let zoom = |fit: &Fit, camera: usize| {
+        let pose = fit.cameras[camera].found.pose.expect("it is estimated");
+        (pose.zoom, pose.zoom_sd.expect("it is known"))
+    };
+    let (of_one, sd) = zoom(&found, 1);
+    assert!((of_one - 1.0 / 1.04).abs() < 3.0 * sd && sd < 0.005, "{of_one} ± {sd}");
+    for camera in [0, 2, 3] {
+        let (zoom, sd) = zoom(&found, camera);
+        assert!((zoom - 1.0).abs() < 3.0 * sd, "camera {camera}: {zoom} ± {sd}");
+    }
+    let [best, with, without] = [&best, &found, &trusting].map(mean_error_mm);
+    assert!(with < 1.2 * best && with < without, "{best} {with} {without} mm");
+    assert_eq!(found.rig.cameras[1].intrinsics, one.cameras[1].zoomed(of_one).intrinsics);
+    let name = &scene.rig.cameras[1].name;
+    let is_named = |cause: &Cause| matches!(cause, Cause::FocalLength { camera, lens } if camera == name && lens.sd.is_some() && lens.used);
+    let causes = &found.verdict.causes;
+    assert!(matches!(&causes[..], [cause] if is_named(cause)), "{causes:?}");
 }
 
 #[test]

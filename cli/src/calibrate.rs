@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use clap::Args;
 use maquette::io::calibration::check_name;
-use maquette::pipeline::{Progress, Size};
+use maquette::pipeline::{POSE, Progress, Size};
 use maquette::workflow::{LensRig, RefinedCamera, RefinedRig, UsedRecording};
 use serde_json::{Value, json};
 
@@ -21,9 +21,9 @@ pub(super) const ABOUT: &str = "\
 Refine a calibration by a person who moves before the cameras.
 
 Reads recordings of one calibration, or the folders of finished fits of them, and writes the calibration with each camera \
-where the person shows it to be. The format follows from the name of OUT: *.toml (Pose2Sim, aniposelib), intri.yml \
+where the person shows it to be, and with the focal length that they show. The format follows from the name of OUT: *.toml (Pose2Sim, aniposelib), intri.yml \
 (EasyMocap, with extri.yml), *.yml or *.xml (OpenCV), {camera}.yml or {camera}.xml (OpenCV, a file for each camera), \
-*.qca.txt (Qualisys). A camera that the motion does not determine keeps its calibration. Lenses stay as they are.
+*.qca.txt (Qualisys). A camera that the motion does not determine keeps its calibration. Distortion and principal points stay as they are.
 
 With --from lenses the poses in the calibration are not read and need not be there: the cameras are placed by the detections of a person who walks \
 through the room (pose/<camera>_json/), and then refined by the person's body. The person's height, or the distance of two cameras, says how \
@@ -158,21 +158,22 @@ fn length_sd(x: [f64; 3], sd: [f64; 3]) -> f64 {
 }
 
 fn text(rig: &RefinedRig, written: &[PathBuf], seconds: f64) -> String {
-    let mut table = Table::new(&["camera", "turned", "displaced", "determined"]);
+    let mut table = Table::new(&["camera", "turned", "displaced", "focal length", "determined"]);
     for camera in &rig.cameras {
-        let [turned, displaced] = match &camera.found {
-            Err(_) => ["–".into(), "–".into()],
+        let [turned, displaced, zoomed] = match &camera.found {
+            Err(_) => ["–", "–", "–"].map(String::from),
             Ok(found) => {
                 let (turn, turn_sd) = (found.turn_deg, found.turn_sd_deg);
                 let (way, way_sd) = (found.displacement_m, found.displacement_sd_m);
                 [
                     format!("{:.2} ± {:.2}°", length(turn), length_sd(turn, turn_sd)),
                     format!("{:.1} ± {:.1} mm", 1e3 * length(way), 1e3 * length_sd(way, way_sd)),
+                    format!("{:+.2} ± {:.2} %", 100.0 * (found.zoom - 1.0), 100.0 * found.zoom_sd),
                 ]
             }
         };
-        let determined = format!("{:.1} of 6", camera.determined);
-        table.row(vec![camera.camera.clone(), turned, displaced, determined]);
+        let determined = format!("{:.1} of {POSE}", camera.determined);
+        table.row(vec![camera.camera.clone(), turned, displaced, zoomed, determined]);
     }
 
     let kept = rig.cameras.iter().filter_map(|camera| {
@@ -207,6 +208,8 @@ fn as_json(rig: &RefinedRig, written: &[PathBuf], seconds: f64) -> Value {
             "turn_sd_deg": found.map(|f| f.turn_sd_deg),
             "displacement_m": found.map(|f| f.displacement_m),
             "displacement_sd_m": found.map(|f| f.displacement_sd_m),
+            "zoom": found.map(|f| f.zoom),
+            "zoom_sd": found.map(|f| f.zoom_sd),
         })
     };
     let recording = |used: &UsedRecording| json!({ "path": used.path.display().to_string(), "frames": used.frames, "cameras": used.cameras });

@@ -126,7 +126,8 @@ impl Summary<'_> {
     fn cameras(&self) -> String {
         let cameras = &self.result.quality.cameras;
         let is_found = cameras.iter().any(|c| c.found != CameraFound::default());
-        let found = if is_found { &["turned", "displaced", "late"][..] } else { &[] };
+        let found =
+            if is_found { &["turned", "displaced", "focal length", "late"][..] } else { &[] };
         let has_masks = cameras.iter().any(|c| c.frames > 0 || c.detections.is_none());
         let own: &[&str] = match has_masks {
             true => &["camera", "frames", "overlap", "border off by", "RMS"],
@@ -147,7 +148,7 @@ impl Summary<'_> {
     }
 
     /// Where and when a camera was.
-    fn found(&self, found: &CameraFound) -> [String; 3] {
+    fn found(&self, found: &CameraFound) -> [String; 4] {
         let fps = self.result.recording.fps;
         // a standard deviation that is withheld is not 0
         let sd = |sd: Option<f64>, digits: usize| {
@@ -161,11 +162,15 @@ impl Summary<'_> {
             let (way_m, way_sd_m) = pose.displacement();
             format!("{:.1}{} mm", 1e3 * way_m, sd(way_sd_m.map(|sd_m| 1e3 * sd_m), 1))
         });
+        let zoomed = found.pose.map(|pose| {
+            let sd = sd(pose.zoom_sd.map(|sd| 100.0 * sd), 2);
+            format!("{:+.2}{sd} %", 100.0 * (pose.zoom - 1.0))
+        });
         let late = found.clock.map(|clock| {
             let (late, late_sd) = clock.late_frames(fps);
             format!("{late:+.2}{} frames", sd(late_sd, 2))
         });
-        [turned, displaced, late].map(|text| text.unwrap_or("–".into()))
+        [turned, displaced, zoomed, late].map(|text| text.unwrap_or("–".into()))
     }
 
     fn warnings(&self) -> String {

@@ -31,9 +31,9 @@ class Calibration:
         -------
         pandas.DataFrame
             By ``camera``: ``turn_x`` … ``turn_z`` (deg) about the world's axes and ``displacement_x`` …
-            ``displacement_z`` (m), each with its ``_sd``; not numbers where the camera keeps its calibration, and
-            ``kept`` says why. ``determined`` is how many of the six the motion determines. From lenses alone nothing
-            is refined, and ``result`` says what was found.
+            ``displacement_z`` (m), and ``zoom``, each with its ``_sd``; not numbers where the camera keeps its
+            calibration, and ``kept`` says why. ``determined`` is how many of the seven the motion determines. From
+            lenses alone nothing is refined, and ``result`` says what was found.
         """
         rows = [_row(part) for part in self.result["cameras"] if "turn_deg" in part]
         return _camera_table.table(rows, list(_row({})), {})

@@ -15,12 +15,15 @@ _PLACES = (("turn", "turn_deg", "deg"), ("displacement", "displacement_m", "m"))
 
 
 def place(found: dict[str, Any] | None) -> dict[str, float]:
-    """How a camera is turned and displaced, axis by axis, with standard deviations; not numbers if unknown."""
+    """How a camera is turned, displaced and zoomed, with standard deviations; not numbers if unknown."""
     row: dict[str, float] = {}
     for name, key, unit in _PLACES:
         for whole, ending in ((key, ""), (f"{name}_sd_{unit}", "_sd")):
             values = (found or {}).get(whole) or [float("nan")] * 3
             row |= {f"{name}_{axis}{ending}": value for axis, value in zip(_AXES, values, strict=True)}
+    for key in ("zoom", "zoom_sd"):
+        value = (found or {}).get(key)
+        row[key] = float("nan") if value is None else value
     return row
 
 
@@ -28,7 +31,7 @@ def table(rows: list[dict[str, Any]], columns: list[str], units: dict[str, str])
     """Rows by camera, with the units of their places and others."""
     made: pd.DataFrame = imported("pandas", "pandas").DataFrame(rows, columns=columns).set_index("camera")
     of_places = {column: unit for column in made.columns for name, _, unit in _PLACES if column.startswith(f"{name}_")}
-    made.attrs["units"] = of_places | units
+    made.attrs["units"] = of_places | {"zoom": "1", "zoom_sd": "1"} | units
     return made
 
 

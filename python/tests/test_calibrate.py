@@ -33,6 +33,7 @@ def test_a_calibration_of_a_fit_is_the_programs(
         assert [table[f"turn_{axis}"].to_dict()[camera] for axis in "xyz"] == part["turn_deg"]
         spreads = [table[f"displacement_{axis}_sd"].to_dict()[camera] for axis in "xyz"]
         assert spreads == part["displacement_sd_m"]
+        assert [table[key].to_dict()[camera] for key in ("zoom", "zoom_sd")] == [part["zoom"], part["zoom_sd"]]
     assert table.attrs["units"]["turn_x_sd"] == "deg"
     assert table.attrs["units"]["displacement_z"] == "m"
 

@@ -56,7 +56,7 @@ def test_points_have_joints_and_axes(fit: maquette.Fit) -> None:
 
 
 def test_cameras_have_what_was_found_of_them(fit: maquette.Fit) -> None:
-    """Turns, displacements and clocks with their standard deviations; what was not estimated is not a number."""
+    """Turns, displacements, focal lengths and clocks; what was not estimated is not a number."""
     table = fit.cameras
     parts = fit.result["quality"]["cameras"]
     assert list(table.index) == fit.result["recording"]["cameras"]
@@ -68,6 +68,7 @@ def test_cameras_have_what_was_found_of_them(fit: maquette.Fit) -> None:
         pose = part["found"]["pose"]
         assert [row[f"turn_{axis}"] for axis in "xyz"] == pose["turn_deg"]
         assert [row[f"displacement_{axis}_sd"] for axis in "xyz"] == pose["displacement_sd_m"]
+        assert [row["zoom"], row["zoom_sd"]] == [pose["zoom"], pose["zoom_sd"]]
         assert row["ahead"] == part["found"]["clock"]["ahead_s"]
     assert len(found) < len(parts) or table["turn_x"].notna().all()
     assert table.attrs["units"]["turn_x_sd"] == "deg"

@@ -67,6 +67,11 @@ impl<'a> Posed<'a> {
         &self.frames[FrameId::from_joint(self.model.parts[part.0].joint).0]
     }
 
+    /// Where the root is in the world.
+    pub fn root_world(&self) -> Vector3<f64> {
+        self.frames[0].origin_world
+    }
+
     /// Where the joint of a part is in the world.
     pub fn origin_of_part(&self, part: PartId) -> Point3<f64> {
         Point3::from(self.frame(part).origin_world)

@@ -42,6 +42,13 @@ impl Intrinsics {
         0.5 * (self.fx_px + self.fy_px)
     }
 
+    /// With focal lengths that are so many times as long, about the same principal point.
+    #[must_use]
+    pub fn zoomed(&self, factor: f64) -> Self {
+        let Self { fx_px, fy_px, skew_px, .. } = self;
+        Self { fx_px: fx_px * factor, fy_px: fy_px * factor, skew_px: skew_px * factor, ..*self }
+    }
+
     /// The pixel of normalised coordinates.
     pub fn pixel(&self, normalized: &Vector2<f64>) -> Point2<f64> {
         Point2::new(

@@ -39,6 +39,18 @@ impl Camera {
         self.camera_from_world.inverse_transform_point(&Point3::origin())
     }
 
+    /// With a focal length that is so many times as long, about the same principal point.
+    ///
+    /// What silhouettes and rays were undistorted by is the lens as it was: the distortion moves every undistorted pixel as before.
+    #[must_use]
+    pub fn zoomed(&self, factor: f64) -> Self {
+        Self {
+            intrinsics: self.intrinsics.zoomed(factor),
+            distortion: self.distortion.zoomed(factor),
+            ..self.clone()
+        }
+    }
+
     /// The undistorted pixel at which a point is seen; `None` if it is not in front of the camera.
     pub fn project_undistorted(&self, point_world: &Point3<f64>) -> Option<Point2<f64>> {
         let point_camera = self.camera_from_world * point_world;
@@ -221,6 +233,24 @@ mod tests {
         let camera = camera(lenses()[1]);
         let pixel = camera.project(&camera.optical_axis().point_at(2.0)).unwrap();
         approx::assert_relative_eq!(pixel, Point2::new(336.0, 228.7), epsilon = 1e-9);
+    }
+
+    #[test]
+    fn a_zoomed_camera_shows_what_is_nearer_by_that_factor_and_its_lens_bends_it_as_before() {
+        for lens in lenses() {
+            let camera = camera(lens);
+            let zoomed = camera.zoomed(1.25);
+            let place = Vector3::new(0.5, -0.25, 3.0);
+            let at = |place: Vector3<f64>| camera.camera_from_world.inverse() * Point3::from(place);
+            let nearer = at(Vector3::new(place.x, place.y, place.z / 1.25));
+            let (there, here) =
+                (zoomed.project_undistorted(&at(place)), camera.project_undistorted(&nearer));
+            approx::assert_relative_eq!(there.unwrap(), here.unwrap(), epsilon = 1e-9);
+            if !matches!(lens, Distortion::Fisheye { .. }) {
+                let (there, here) = (zoomed.project(&at(place)), camera.project(&nearer));
+                approx::assert_relative_eq!(there.unwrap(), here.unwrap(), epsilon = 1e-9);
+            }
+        }
     }
 
     #[test]

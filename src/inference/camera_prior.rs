@@ -1,12 +1,12 @@
 //! What of the cameras is unknown, and how far they may be off.
 //!
 //! Most cameras are where their calibration says, within a usual one's errors; some were touched, by more than those errors tell.
-//! That is Student's t of one degree of freedom, for the turn and displacement of a camera together and for its clock,
+//! That is Student's t of one degree of freedom, for the turn and displacement of a camera together, for its focal length and for its clock,
 //!
 //! −log p = ½(1 + d) ln(1 + z²),  z² = Σ (x/σ)² over d components,
 //!
 //! whose weight (1 + d)/(1 + z²) leaves a touched camera free. So the cameras that are well hold the world and its time; what is
-//! common to all of them is left to this prior. σ (E): 0.1° and 3 mm along each axis; of a clock, which was set to the nearest frame,
+//! common to all of them is left to this prior. σ (E): 0.1° and 3 mm along each axis, 0.2 % of the focal length; of a clock, which was set to the nearest frame,
 //! the interval of frames over √12.
 //!
 //! Of cameras that were placed by detections σ is so wide that it says next to nothing. Then nothing would hold the world itself, and a smaller one has
@@ -24,7 +24,7 @@ use std::ops::Range;
 use nalgebra::{DVectorView, Matrix3, SVector, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::camera_offset::{AHEAD, COMPONENTS, CameraOffset};
+use super::camera_offset::{AHEAD, COMPONENTS, CameraOffset, ZOOM};
 use super::rig_motion::{HeldWorld, RigMotion};
 use super::sequence_state::SequenceState;
 use crate::camera::{Camera, Rig};
@@ -34,7 +34,7 @@ use crate::solver::NormalEquations;
 /// What of a camera is unknown.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Free {
-    /// Turn and displacement.
+    /// Turn, displacement and focal length.
     pub pose: bool,
     /// How far it is ahead.
     pub clock: bool,
@@ -44,6 +44,8 @@ pub struct Free {
 pub const TURN_SD: f64 = 0.1 * std::f64::consts::PI / 180.0;
 /// σ of a displacement along one axis, metres.
 pub const DISPLACEMENT_SD_M: f64 = 0.003;
+/// σ of a focal length, as a share of it.
+pub const ZOOM_SD: f64 = 0.002;
 /// Lines of sight at a larger angle than this cross, so that one says where along the other a body stands.
 const ACROSS_RAD: f64 = 0.35;
 
@@ -84,6 +86,8 @@ struct Unknown {
     /// σ of its turn and displacement.
     errors: PoseErrors,
     rows: CameraRows,
+    /// ζ of the lens that its looks have, over the calibrated one.
+    zoomed: f64,
     /// Whether its pose is that of a camera before it.
     has_pose_of_another: bool,
 }
@@ -91,7 +95,7 @@ struct Unknown {
 /// Where the components of a camera stand among those of all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CameraRows {
-    /// The first of ω, δt.
+    /// The first of ω, δt, δζ.
     pose: usize,
     /// δτ.
     clock: usize,
@@ -176,7 +180,14 @@ impl CameraPrior {
             let own = if pose.is_some() { 0 } else { AHEAD };
             let rows = CameraRows { pose: pose.unwrap_or(components), clock: components + own };
             let (errors, has_pose_of_another) = (PoseErrors::default(), pose.is_some());
-            cameras.push(Unknown { free, ahead_sd_s, errors, rows, has_pose_of_another });
+            cameras.push(Unknown {
+                free,
+                ahead_sd_s,
+                errors,
+                rows,
+                zoomed: 0.0,
+                has_pose_of_another,
+            });
             components += own + 1;
         }
         Self { cameras, components, held: None }
@@ -200,6 +211,15 @@ impl CameraPrior {
         let held = motion.map(|motion| HeldWorld::new(motion, TURN_SD, DISPLACEMENT_SD_M));
         self.cameras.iter_mut().for_each(|unknown| unknown.errors = errors);
         Self { held, ..self }
+    }
+
+    /// The same of looks by cameras whose focal lengths are already e^ζ times the calibrated ones.
+    #[must_use]
+    pub fn with_zooms(mut self, zooms: &[f64]) -> Self {
+        for (unknown, zoom) in self.cameras.iter_mut().zip(zooms) {
+            unknown.zoomed = *zoom;
+        }
+        self
     }
 
     /// Whether nothing is unknown.
@@ -264,17 +284,19 @@ impl Unknown {
     }
 
     fn cost(&self, offset: &CameraOffset) -> f64 {
-        let (pose, ahead) = self.squares(offset);
+        let (pose, zoom, ahead) = self.squares(offset);
         let student = |is_free: bool, d: f64, square: f64| match is_free {
             true => 0.5 * (1.0 + d) * square.ln_1p(),
             false => 0.0,
         };
         let is_own = self.free.pose && !self.has_pose_of_another;
-        student(is_own, 6.0, pose) + student(self.free.clock, 1.0, ahead)
+        student(is_own, 6.0, pose)
+            + student(is_own, 1.0, zoom)
+            + student(self.free.clock, 1.0, ahead)
     }
 
     fn linearize(&self, offset: &CameraOffset, first: usize, equations: &mut NormalEquations) {
-        let (pose, ahead) = self.squares(offset);
+        let (pose, zoom, ahead) = self.squares(offset);
         let held = |is_free: bool| if is_free { 0.0 } else { 1.0 };
 
         let clock = first + self.rows.clock;
@@ -286,6 +308,12 @@ impl Unknown {
             return;
         }
 
+        let zoom_row = first + self.rows.pose + ZOOM;
+        let weight = if self.free.pose { 2.0 / (1.0 + zoom) } else { 0.0 };
+        let of_zoom = weight / ZOOM_SD.powi(2);
+        equations.gradient[zoom_row] += of_zoom * (self.zoomed + offset.log_zoom);
+        equations.hessian[(zoom_row, zoom_row)] += of_zoom + held(self.free.pose);
+
         let turn = offset.turn.scaled_axis();
         // log(exp(ω)R) = φ + J_r⁻¹(−φ) ω
         let by_turn = right_jacobian_inverse(&-turn);
@@ -293,11 +321,11 @@ impl Unknown {
         let (of_turn, of_place) = self.weights();
         let (of_turn, of_place) = (weight * of_turn, weight * of_place);
         let first = first + self.rows.pose;
-        let mut gradient = equations.gradient.rows_mut(first, AHEAD);
+        let mut gradient = equations.gradient.rows_mut(first, ZOOM);
         gradient.rows_mut(0, 3).gemv_tr(of_turn, &by_turn, &turn, 1.0);
         gradient.rows_mut(3, 3).axpy(of_place, &offset.displacement_m, 1.0);
 
-        let mut hessian = equations.hessian.view_mut((first, first), (AHEAD, AHEAD));
+        let mut hessian = equations.hessian.view_mut((first, first), (ZOOM, ZOOM));
         let one = Matrix3::identity();
         let mut turns = hessian.fixed_view_mut::<3, 3>(0, 0);
         turns += by_turn.transpose() * by_turn * of_turn + one * held(self.free.pose);
@@ -305,12 +333,13 @@ impl Unknown {
         places += one * (of_place + held(self.free.pose));
     }
 
-    /// z² of turn and displacement, and of the clock.
-    fn squares(&self, offset: &CameraOffset) -> (f64, f64) {
+    /// z² of turn and displacement, of the focal length, and of the clock.
+    fn squares(&self, offset: &CameraOffset) -> (f64, f64, f64) {
         let (of_turn, of_place) = self.weights();
         let turn = offset.turn.scaled_axis().norm_squared() * of_turn;
         let place = offset.displacement_m.norm_squared() * of_place;
-        (turn + place, (offset.ahead_s / self.ahead_sd_s).powi(2))
+        let zoom = ((self.zoomed + offset.log_zoom) / ZOOM_SD).powi(2);
+        (turn + place, zoom, (offset.ahead_s / self.ahead_sd_s).powi(2))
     }
 }
 

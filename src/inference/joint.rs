@@ -5,7 +5,7 @@
 //! forwards and one backwards: O(n). Algorithm 1's winner is its start.
 //!
 //! With a detailed body ([`BodyModel::detailed`](crate::body::BodyModel::detailed)) s also says where the joints lie in the flesh
-//! and how far the surface lies outside the model's. Where cameras are not trusted, their places and clocks are unknowns too
+//! and how far the surface lies outside the model's. Where cameras are not trusted, their places, focal lengths and clocks are unknowns too
 //! ([`CameraPrior`]). How much the data count ([`Noise`], [`Contrasts`]) and how far surfaces lie outside (`spread`) are
 //! estimated by turns with the optimum: first in some rounds of a few steps before a part of the border points, then before all
 //! of them until E no longer falls ([`Rounds`]). The covariance follows from the last optimum's matrix and from what of the residuals

@@ -4,29 +4,30 @@
 //!
 //! δm̃ = M Σⱼ wⱼ δmⱼ + D δc,
 //!
-//! M = diag(Rᵀ, 1) for the root's place and wⱼ the weights of the frames about its moment, it adds
+//! M = diag(SRᵀ, 1) for the root's place and wⱼ the weights of the frames about its moment, it adds
 //!
 //! Hⱼₖ = wⱼwₖ MᵀHM,  H_cj = wⱼ DᵀHM,  H_cc = DᵀHD,  H_sj = wⱼ BM,  H_sc = BD,  gⱼ = wⱼ Mᵀg,  g_c = Dᵀg.
 
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use nalgebra::{DMatrix, Matrix3};
 
 use super::Look;
 use super::camera_offset::{AHEAD, COMPONENTS, CameraOffset};
 use super::camera_prior::{CameraRows, Free};
 use super::instant::Instant;
 use crate::body::Motion;
+use crate::camera::Camera;
 use crate::solver::{BorderedChain, Link, NormalEquations};
 
 /// Frames before and after its own to which the parabola of a look may reach.
 pub(super) const REACH: usize = 2;
 
 /// A camera that is an unknown.
-pub(super) struct Unknown {
+pub(super) struct Unknown<'a> {
     /// Where its components stand after those of the shape.
     pub(super) rows: CameraRows,
     pub(super) offset: CameraOffset,
     pub(super) free: Free,
-    pub(super) centre_world: Vector3<f64>,
+    pub(super) calibrated: &'a Camera,
 }
 
 /// A look at a state.
@@ -35,7 +36,7 @@ pub(super) struct Placed<'a> {
     pub(super) recorded: usize,
     pub(super) look: &'a Look<'a>,
     /// Its camera, where that is an unknown.
-    pub(super) camera: Option<Unknown>,
+    pub(super) camera: Option<Unknown<'a>>,
     /// When it is.
     pub(super) instant: Instant,
     /// m̃.
@@ -161,18 +162,18 @@ impl LookSum {
     }
 }
 
-impl Unknown {
-    /// Rᵀ, the part of M that is not 1, and D.
+impl Unknown<'_> {
+    /// SRᵀ, the part of M that is not 1, and D.
     fn slopes(&self, placed: &Placed<'_>) -> (Matrix3<f64>, DMatrix<f64>) {
         let mut slopes = DMatrix::zeros(placed.seen.angles.len() + 6, COMPONENTS);
         if self.free.clock {
             slopes.set_column(AHEAD, &placed.instant.velocity);
         }
-        let (back, of_pose) = self.offset.slopes(&self.centre_world, &placed.instant.motion);
+        let (back, of_pose) = self.offset.slopes(self.calibrated, &placed.instant.motion);
         if self.free.pose {
             let along = back * slopes.fixed_view::<3, 1>(0, AHEAD);
             slopes.fixed_view_mut::<3, 1>(0, AHEAD).copy_from(&along);
-            slopes.fixed_view_mut::<6, 6>(0, 0).copy_from(&of_pose);
+            slopes.fixed_view_mut::<6, AHEAD>(0, 0).copy_from(&of_pose);
         }
         (back, slopes)
     }

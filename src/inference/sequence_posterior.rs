@@ -54,13 +54,13 @@ const CHUNK: usize = 8;
 
 impl SequencePosterior<'_> {
     /// The camera of a look, where it is an unknown.
-    fn camera(&self, x: &SequenceState, look: &Look<'_>) -> Option<Unknown> {
+    fn camera(&self, x: &SequenceState, look: &Look<'_>) -> Option<Unknown<'_>> {
         let index = look.camera?;
         Some(Unknown {
             offset: *x.cameras.get(index)?,
             rows: self.camera_prior.rows(index),
             free: self.camera_prior.free(index),
-            centre_world: self.rig.cameras[index].centre_world().coords,
+            calibrated: &self.rig.cameras[index],
         })
     }
 
@@ -81,7 +81,7 @@ impl SequencePosterior<'_> {
             };
             let seen = match &camera {
                 Some(camera) if camera.free.pose => {
-                    camera.offset.seen(&camera.centre_world, &instant.motion)
+                    camera.offset.seen(camera.calibrated, &instant.motion)
                 }
                 _ => instant.motion.clone(),
             };

@@ -25,6 +25,11 @@
 //!
 //! A border pixel has the variance σ² = (σ_px z/f)² + σ_m², in metres at the contact: that of the segmentation, and the model's
 //! own mismatch with a body. Neighbours err together: the weight of a row is its length over the correlation length.
+//!
+//! What is observed are pixels. A distance in metres is one in pixels times Z/f, so σ is s(Z/Z₀), s as above at the depth Z₀ about which the
+//! silhouettes show the person, Z the depth of the body's root. With a fixed σ every residual would be smaller before a body that is nearer,
+//! and each camera would pull it towards itself, by ∂/∂ ln Z of the cost = Σ w ρ′ r²/σ², as many nats as it shows independent observations:
+//! before cameras side by side 4 mm, and where focal lengths are unknown nothing would hold the world's size against it.
 
 use nalgebra::{Vector2, Vector3};
 
@@ -74,6 +79,9 @@ impl Default for RayOptions {
     }
 }
 
+/// Nearer than this share of the depth at which a person is shown no body is.
+const NEAREST: f64 = 0.1;
+
 /// One camera's lines of sight.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RayView {
@@ -83,6 +91,9 @@ pub struct RayView {
     lengths_px: Vec<f64>,
     normals_px: Vec<Vector2<f64>>,
     px_per_m: f64,
+    axis_world: Vector3<f64>,
+    /// Z₀.
+    depth_m: f64,
 }
 
 impl RayView {
@@ -97,6 +108,8 @@ impl RayView {
             lengths_px: contour.iter().map(ContourPoint::counted_px).collect(),
             normals_px: contour.iter().map(|p| p.normal).collect(),
             px_per_m,
+            axis_world: camera.optical_axis().direction_world.into_inner(),
+            depth_m,
         }
     }
 
@@ -107,7 +120,15 @@ impl RayView {
             lengths_px: lines.iter().map(|&i| self.lengths_px[i]).collect(),
             normals_px: lines.iter().map(|&i| self.normals_px[i]).collect(),
             px_per_m: self.px_per_m,
+            axis_world: self.axis_world,
+            depth_m: self.depth_m,
         }
+    }
+
+    /// Z of a body's root.
+    fn root_depth_m(&self, body: &Posed<'_>) -> f64 {
+        let way = body.root_world() - self.origin_world;
+        way.dot(&self.axis_world).max(NEAREST * self.depth_m)
     }
 
     /// The mean direction, and the greatest angle of a line with it; `None` if there is no line.
@@ -231,6 +252,16 @@ impl SkinTerm for SilhouetteRays {
         self.scale.posed(body, field)
     }
 
+    fn sigma_slope(&self, body: &Posed<'_>, source: Source) -> Vector3<f64> {
+        match source {
+            Source::View(view) => {
+                let view = &self.views[view];
+                view.axis_world / view.root_depth_m(body)
+            }
+            _ => Vector3::zeros(),
+        }
+    }
+
     fn touches(
         &self,
         body: &Posed<'_>,
@@ -251,7 +282,8 @@ impl SkinTerm for SilhouetteRays {
 
         for (source, view) in self.views.iter().enumerate() {
             let mut rays = RayField::new(field, view.origin_world);
-            let sigma_m = (options.sigma_px / view.px_per_m).hypot(options.sigma_m);
+            let nearer = view.root_depth_m(body) / view.depth_m;
+            let sigma_m = (options.sigma_px / view.px_per_m).hypot(options.sigma_m) * nearer;
             let per_px = 1.0 / (view.px_per_m * options.correlation_m);
             for (index, direction) in view.directions_world.iter().enumerate() {
                 let Some(residual) = search.touch(&mut rays, direction) else { continue };
@@ -260,7 +292,7 @@ impl SkinTerm for SilhouetteRays {
                     source: Source::View(source),
                     index,
                     sigma_m,
-                    sigma: sigma_m * view.px_per_m,
+                    sigma: sigma_m / nearer * view.px_per_m,
                     weight: view.lengths_px[index] * per_px,
                     counts,
                     outward_px: view.normals_px[index],

@@ -212,6 +212,10 @@ pub(super) trait SkinTerm {
     fn loss(&self) -> Loss;
     /// The scale that turns the field into a distance.
     fn scale(&self, body: &Posed<'_>, field: &Field) -> PosedScale<'_>;
+    /// ∂ ln σ/∂p of what comes from a source, p the place of the body's root: how its standard deviation grows.
+    fn sigma_slope(&self, _body: &Posed<'_>, _source: Source) -> Vector3<f64> {
+        Vector3::zeros()
+    }
     /// Calls `each` for every observation that touches the field, with the field there.
     fn touches(
         &self,
@@ -253,12 +257,14 @@ pub(super) fn linearize(
     let slopes = FieldSlopes::new(body, &field);
     let mut sums = LimbSums::new(&slopes, equations.gradient.len());
     let mut cost = 0.0;
+    let mut of_sigmas = Vector3::zeros();
 
     rows(term, body, &field, &slopes, |touch, row| {
         let (rho, weight) = touch.loss(term.loss());
         cost += 0.5 * rho;
 
         let residual_m = touch.residual.distance_m;
+        of_sigmas -= term.sigma_slope(body, touch.source) * (weight * residual_m * residual_m);
         sums.add(row.limb, row.values, residual_m, weight);
         if row.offsets.iter().all(|offset| offset.is_free(equations)) {
             OffsetRow::add_own(row.offsets, residual_m, weight, equations);
@@ -268,6 +274,10 @@ pub(super) fn linearize(
         }
     });
     sums.add_to(&slopes, equations);
+    if Layout::new(body.model).root() > 0 {
+        let mut of_root = equations.gradient.fixed_rows_mut::<3>(0);
+        of_root += of_sigmas;
+    }
     cost
 }
 

@@ -1,4 +1,4 @@
-//! How sure the turns, displacements and clocks of all cameras are together.
+//! How sure the turns, displacements, focal lengths and clocks of all cameras are together.
 //!
 //! A turn and a displacement of one camera look alike, and a motion of all cameras together does not show: what several recordings
 //! say of one rig can be put together only with the covariance of all its cameras. In the same way a time that all clocks are ahead does not
@@ -6,21 +6,27 @@
 
 use nalgebra::DMatrix;
 
-use crate::inference::camera_offset::{AHEAD, COMPONENTS};
+use crate::inference::camera_offset::{AHEAD, COMPONENTS, ZOOM};
 use crate::inference::camera_prior::CameraPrior;
 use crate::inference::joint::JointOptimum;
 
-/// Components of a camera's pose: ω, δt.
-pub const POSE: usize = 6;
+/// Components of a camera's pose: ω, δt, δζ.
+pub const POSE: usize = AHEAD;
 
 /// Covariances of all cameras together.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct CameraCovariances {
-    /// Of the turns (rad) and displacements (m) of the cameras whose poses were unknown, in the order of the rig; `None` where there are
-    /// none, or they are not known.
+    /// Of the turns (rad), displacements (m) and logarithms of the focal lengths of the cameras whose poses were unknown, in the order of
+    /// the rig; `None` where there are none, or they are not known.
     pub poses: Option<DMatrix<f64>>,
     /// The same of the times (s) by which those are ahead whose clocks were unknown.
     pub clocks: Option<DMatrix<f64>>,
+}
+
+/// Of turns and displacements alone: the covariance of poses without the focal lengths.
+pub fn without_lenses(poses: &DMatrix<f64>) -> DMatrix<f64> {
+    let kept: Vec<usize> = (0..poses.nrows()).filter(|k| k % POSE != ZOOM).collect();
+    DMatrix::from_fn(kept.len(), kept.len(), |i, j| poses[(kept[i], kept[j])])
 }
 
 impl CameraCovariances {

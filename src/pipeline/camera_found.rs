@@ -4,20 +4,20 @@ use nalgebra::{SVector, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::body::{Layout, Motion};
-use crate::inference::camera_offset::{AHEAD, COMPONENTS, CameraOffset};
-use crate::inference::camera_prior::{DISPLACEMENT_SD_M, Free, TURN_SD};
+use crate::inference::camera_offset::{AHEAD, COMPONENTS, CameraOffset, ZOOM};
+use crate::inference::camera_prior::{DISPLACEMENT_SD_M, Free, TURN_SD, ZOOM_SD};
 use crate::inference::instant::Instant;
 
 /// By how much a camera was found to be off; what was not estimated is not there.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct CameraFound {
-    /// Its place.
+    /// Its place and its focal length.
     pub pose: Option<PoseFound>,
     /// Its clock.
     pub clock: Option<ClockFound>,
 }
 
-/// By how much a camera was turned and displaced after its calibration. World axes.
+/// By how much a camera was turned and displaced after its calibration, and zoomed. World axes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PoseFound {
     /// Axis times angle of the turn about the camera's own centre, degrees.
@@ -28,6 +28,10 @@ pub struct PoseFound {
     pub displacement_m: [f64; 3],
     /// Its standard deviations.
     pub displacement_sd_m: Option<[f64; 3]>,
+    /// The focal length over the calibrated one.
+    pub zoom: f64,
+    /// Its standard deviation.
+    pub zoom_sd: Option<f64>,
     /// Whether the fit takes it into account; else it is told, and the camera taken as calibrated.
     #[serde(default = "is_used")]
     pub used: bool,
@@ -66,6 +70,8 @@ impl CameraFound {
             turn_sd_deg: three(0).map(degrees),
             displacement_m: offset.displacement_m.into(),
             displacement_sd_m: three(3).map(Into::into),
+            zoom: offset.log_zoom.exp(),
+            zoom_sd: sd.map(|sd| sd[ZOOM] * offset.log_zoom.exp()),
             used: true,
         };
         let clock = ClockFound { ahead_s: offset.ahead_s, sd_s: sd.map(|sd| sd[AHEAD]) };
@@ -97,7 +103,7 @@ impl CameraFound {
     /// Without standard deviations.
     pub(super) fn withhold(&mut self) {
         if let Some(pose) = &mut self.pose {
-            (pose.turn_sd_deg, pose.displacement_sd_m) = (None, None);
+            (pose.turn_sd_deg, pose.displacement_sd_m, pose.zoom_sd) = (None, None, None);
         }
         if let Some(clock) = &mut self.clock {
             clock.sd_s = None;
@@ -112,6 +118,7 @@ impl PoseFound {
         CameraOffset {
             turn: UnitQuaternion::from_scaled_axis(turn),
             displacement_m: self.displacement_m.into(),
+            log_zoom: self.zoom.ln(),
             ..CameraOffset::none()
         }
     }
@@ -127,9 +134,20 @@ impl PoseFound {
             || is_sure(self.displacement_m, self.displacement_sd_m) && place > DISPLACEMENT_SD_M
     }
 
+    /// Whether its focal length is surely not the calibrated one, by more than a usual calibration errs.
+    pub fn is_zoomed(&self) -> bool {
+        let off = (self.zoom - 1.0).abs();
+        self.zoom_sd.is_some_and(|sd| off > SURE * sd) && off > ZOOM_SD
+    }
+
     /// The angle of the turn and its standard deviation, degrees.
     pub fn turn(&self) -> (f64, Option<f64>) {
         length(self.turn_deg, self.turn_sd_deg)
+    }
+
+    /// By which share its focal length is longer than the calibrated one, and the standard deviation.
+    pub fn longer(&self) -> (f64, Option<f64>) {
+        (self.zoom - 1.0, self.zoom_sd)
     }
 
     /// The way of the displacement and its standard deviation, metres.
@@ -172,6 +190,8 @@ mod tests {
             turn_sd_deg: Some([0.1; 3]),
             displacement_m: [0.0, displacement_m, 0.0],
             displacement_sd_m: Some([0.005; 3]),
+            zoom: 1.0,
+            zoom_sd: Some(0.001),
             used: true,
         }
     }
@@ -180,22 +200,26 @@ mod tests {
     fn a_camera_was_touched_where_that_is_sure_and_not_where_it_may_be() {
         assert!(pose(1.0, 0.0).was_touched() && pose(0.0, 0.02).was_touched());
         assert!(!pose(0.25, 0.012).was_touched());
+        let zoomed = |zoom: f64| PoseFound { zoom, ..pose(0.0, 0.0) };
+        assert!(zoomed(0.98).is_zoomed() && !zoomed(1.0025).is_zoomed());
+        assert!(!zoomed(1.0015).is_zoomed() && !zoomed(0.98).was_touched());
         let mut withheld = CameraFound { pose: Some(pose(1.0, 0.02)), clock: None };
         withheld.withhold();
         let withheld = withheld.pose.unwrap();
-        assert!(!withheld.was_touched());
+        assert!(!withheld.was_touched() && !PoseFound { zoom: 1.1, ..withheld }.is_zoomed());
         assert_eq!(withheld.turn(), (1.0, None));
     }
 
     #[test]
     fn what_is_written_is_what_was_found() {
         let mut found = CameraFound {
-            pose: Some(pose(1.0, 0.02)),
+            pose: Some(PoseFound { zoom: 1.02, ..pose(1.0, 0.02) }),
             clock: Some(ClockFound { ahead_s: -0.03, sd_s: Some(0.002) }),
         };
         let free = Free { pose: true, clock: true };
         let again = CameraFound::new(&found.offset(), free, None).offset();
         approx::assert_relative_eq!(again.turn.angle().to_degrees(), 1.0, epsilon = 1e-9);
+        approx::assert_relative_eq!(again.log_zoom.exp(), 1.02, epsilon = 1e-12);
         assert_eq!((again.displacement_m.y, again.ahead_s), (0.02, -0.03));
         let (turn, sd) = found.pose.unwrap().turn();
         assert_eq!((turn, sd), (1.0, Some(0.1)));
@@ -204,6 +228,7 @@ mod tests {
         // what is only told moves nothing
         found.pose = found.pose.map(|pose| PoseFound { used: false, ..pose });
         let told = found.offset();
-        assert_eq!((told.turn.angle(), told.displacement_m.y, told.ahead_s), (0.0, 0.0, -0.03));
+        let nothing = (told.turn.angle(), told.displacement_m.y, told.log_zoom, told.ahead_s);
+        assert_eq!(nothing, (0.0, 0.0, 0.0, -0.03));
     }
 }

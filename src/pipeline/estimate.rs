@@ -18,6 +18,7 @@ use crate::inference::camera_prior::Free;
 use crate::inference::covariance::Uncertainty;
 use crate::inference::frame::FrameFit;
 use crate::inference::instant::times_s;
+use crate::inference::joint::JointOptions;
 use crate::inference::noise::Noise;
 use crate::inference::search::Trial;
 use crate::inference::step::between;
@@ -37,14 +38,42 @@ pub(super) struct LastStage<'a> {
     pub(super) progress: &'a dyn Progress,
 }
 
+/// Where the joint optimum is sought from.
+#[derive(Debug, Clone)]
+pub(super) struct Start {
+    state: SequenceState,
+    /// The frames that Algorithm 1 lost and found again.
+    recovered: Vec<bool>,
+}
+
+impl Start {
+    /// The winner as it was tracked.
+    pub(super) fn of_winner(stage: &LastStage<'_>, winner: &Trial) -> Self {
+        let tracked = winner.frames.iter().flatten();
+        let recovered = tracked.map(|tracked| tracked.recovered).collect();
+        Self { state: state_of(stage.evidence.model, stage.sequence, winner), recovered }
+    }
+
+    /// The same with the motion of another optimum.
+    pub(super) fn moving_as(&self, estimate: &Estimate) -> Self {
+        let motions = estimate.frames.iter().map(|fit| fit.motion.clone()).collect();
+        let state = SequenceState::new(self.state.shape.clone(), motions);
+        Self { state, recovered: self.recovered.clone() }
+    }
+}
+
 impl LastStage<'_> {
     /// The joint optimum, or the winner where none is asked for, and what it was compared by.
     pub(super) fn run(&self, winner: &Trial) -> (Estimate, Measure) {
-        let Evidence { model, rig, .. } = *self.evidence;
-        let Some(joint) = &self.options.joint else {
-            return (Estimate::tracked(winner, rig), self.measures.search);
-        };
+        match &self.options.joint {
+            None => (Estimate::tracked(winner, self.evidence.rig), self.measures.search),
+            Some(joint) => self.run_from(&Start::of_winner(self, winner), joint),
+        }
+    }
 
+    /// The joint optimum, from elsewhere.
+    pub(super) fn run_from(&self, start: &Start, joint: &JointOptions) -> (Estimate, Measure) {
+        let Evidence { model, rig, .. } = *self.evidence;
         let measure = self.measures.joint;
         let stage = |free: Free| JointStage {
             model,
@@ -57,17 +86,17 @@ impl LastStage<'_> {
             faults: self.faults,
             progress: self.progress,
         };
-        let start = state_of(model, self.sequence, winner);
-        let tracked = winner.frames.iter().flatten();
-        let recovered: Vec<bool> = tracked.map(|tracked| tracked.recovered).collect();
+        let estimate = |free: Free| {
+            let joined = stage(free).run(start.state.clone());
+            Estimate::joint(joined, rig, &start.recovered)
+        };
         let (free, asked) = (self.options.free(), self.options.asked());
         if asked == free {
-            return (Estimate::joint(stage(free).run(start), rig, &recovered), measure);
+            return (estimate(free), measure);
         }
 
         // what is asked for and not used is estimated by the side
-        let told = Estimate::joint(stage(asked).run(start.clone()), rig, &recovered);
-        let mut used = Estimate::joint(stage(free).run(start), rig, &recovered);
+        let (told, mut used) = (estimate(asked), estimate(free));
         used.tell_poses(told);
         (used, measure)
     }

@@ -5,6 +5,7 @@ use super::camera_covariance::CameraCovariances;
 use super::diagnosis::{CameraFaults, Cleared, Seen};
 use super::estimate::{Estimate, LastStage};
 use super::fitted::{FittedFrame, TriedHypothesis};
+use super::joint_stage::zoomed;
 use super::judged::Judge;
 use super::jumps::{Settled, shown_number};
 use super::measures::Measures;
@@ -107,7 +108,9 @@ pub(super) fn estimated(
     let measures = measures(model, sequence.frames, options)?;
     let evidence = Evidence::new(model, rig, options.likelihood, measures.search);
     let faults = CameraFaults::of(rig, sequence.frames);
-    let found = searched(&evidence, &faults, sequence, options, &journal)?;
+    let shown = rig_as_shown(rig, &faults, options);
+    let coarse = Evidence::new(model, &shown, options.likelihood, measures.search);
+    let found = searched(&coarse, &faults, sequence, options, &journal)?;
     let (estimate, _) =
         LastStage { evidence: &evidence, sequence, measures, options, faults: &faults, progress }
             .run(&found.trials[found.winner]);
@@ -129,8 +132,9 @@ fn stages(
 
     // 2. Algorithm 1, before the cameras that agree
     let measures = measures(model, sequence.frames, options)?;
-    let coarse = Evidence::new(model, rig, options.likelihood, measures.search);
     let faults = CameraFaults::of(rig, sequence.frames);
+    let shown = rig_as_shown(rig, &faults, options);
+    let coarse = Evidence::new(model, &shown, options.likelihood, measures.search);
     let found = searched(&coarse, &faults, sequence, options, journal)?;
 
     // 3. the joint optimum, from its winner, and where and when the cameras are
@@ -169,6 +173,7 @@ fn stages(
     let mut left_out = [cleared.causes.clone(), jumps].concat();
     left_out.extend(strayed.as_ref().map(|strayed| strayed.cause.clone()));
     left_out.extend(worn);
+    let coarse = coarse.with_rig(rig);
     let judge =
         Judge { coarse: &coarse, body: &body, sequence, options, faults, left_out: &left_out };
     let fit = judge.fit(estimate, frames, confidence, notes);
@@ -204,6 +209,14 @@ pub(super) fn measures(
     match has_points && !observations.iter().any(|frame| frame.views.len() >= 2) {
         true => Measures::choose_for_points(model, options.measure),
         false => Measures::choose(model, options.measure),
+    }
+}
+
+/// The cameras with the lenses that the silhouettes tell, where the joint optimum finds out more.
+fn rig_as_shown(rig: &Rig, faults: &CameraFaults, options: &EstimateOptions) -> Rig {
+    match options.joint.is_some() && options.free().pose {
+        true => zoomed(rig, &faults.log_zooms()),
+        false => rig.clone(),
     }
 }
 

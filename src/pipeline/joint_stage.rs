@@ -10,10 +10,13 @@ use super::{EstimateOptions, Progress};
 use crate::body::{BodyModel, Root};
 use crate::camera::{Camera, CameraId, Rig};
 use crate::inference::camera_offset::CameraOffset;
-use crate::inference::camera_prior::{CameraPrior, Free};
+use crate::inference::camera_prior::{CameraPrior, Free, ZOOM_SD};
 use crate::inference::joint::{JointOptimum, JointOptions, joint_optimum_from_terms};
 use crate::inference::{Evidence, Sequence, SequenceState};
 use crate::likelihood::Measure;
+
+/// Rounds at most in which lenses are put into the rig as they were found.
+const LENS_ROUNDS: usize = 3;
 
 /// What the last stage of a fit is given.
 pub(super) struct JointStage<'a> {
@@ -41,33 +44,65 @@ pub(super) struct Joined {
 }
 
 impl JointStage<'_> {
-    /// The optimum, and where and when the cameras are.
+    /// The optimum, and where and when the cameras are, and with which lenses.
+    pub(super) fn run(&self, start: SequenceState) -> Joined {
+        let prior = self.camera_prior(&start);
+        let mut zooms = self.first_zooms(&prior);
+        let cameras = self.first_offsets(&prior, &start);
+        let start = SequenceState { cameras, ..start };
+        let mut joined = self.before(&prior, &zooms, start.clone());
+
+        // again, before lenses as they were found
+        for _ in 1..LENS_ROUNDS {
+            let found: Vec<f64> = joined.optimum.cameras.iter().map(|c| c.log_zoom).collect();
+            if found.iter().zip(&zooms).all(|(found, zoom)| (found - zoom).abs() <= ZOOM_SD) {
+                break;
+            }
+            joined = self.before(&prior, &found, start.clone());
+            zooms = found;
+        }
+        joined
+    }
+
+    /// The optimum before cameras with other focal lengths, by ζ; the ζ that are found are against the calibrated ones.
     ///
     /// Where there are detections, what their detector means by each joint is an unknown too; it is left out of what is returned.
-    pub(super) fn run(&self, mut start: SequenceState) -> Joined {
+    fn before(&self, prior: &CameraPrior, zooms: &[f64], start: SequenceState) -> Joined {
         let Self { model, calibrated, measure, sequence, options, joint, .. } = *self;
+        let (rig, prior) = (zoomed(calibrated, zooms), prior.clone().with_zooms(zooms));
         let detected = model.with_keypoints(&detected_names(sequence));
-        let evidence = Evidence::new(&detected, calibrated, options.likelihood, measure);
-        let prior = self.camera_prior(&start);
-        if !prior.is_trusting() {
-            let ahead_frames = self.faults.ahead_frames();
-            let from = |(camera, ahead): (usize, isize)| CameraOffset {
-                turn: self.first_turn(&prior, CameraId(camera), &start),
-                ahead_s: self.first_ahead_frames(&prior, camera, ahead) / sequence.fps,
-                ..CameraOffset::none()
-            };
-            start.cameras = ahead_frames.into_iter().enumerate().map(from).collect();
-        }
-
+        let evidence = Evidence::new(&detected, &rig, options.likelihood, measure);
         let terms = evidence.sequence_terms(sequence, prior.clone());
+
         self.progress.begin("joint optimum", joint.most_steps());
         let step = || self.progress.step();
         let seconds = sequence.intervals_s();
-        let optimum = joint_optimum_from_terms(&evidence, &terms, &seconds, start, joint, &step);
-        let covariances = CameraCovariances::new(&prior, &optimum);
+        let mut optimum =
+            joint_optimum_from_terms(&evidence, &terms, &seconds, start, joint, &step);
         self.progress.end();
+        for (camera, zoom) in optimum.cameras.iter_mut().zip(zooms) {
+            camera.log_zoom += zoom;
+        }
+        let covariances = CameraCovariances::new(&prior, &optimum);
         let optimum = optimum.of_first(model.coefficients.len());
         Joined { optimum, prior, covariances }
+    }
+
+    /// Where the estimate of each camera's place and clock starts.
+    fn first_offsets(&self, prior: &CameraPrior, start: &SequenceState) -> Vec<CameraOffset> {
+        let from = |(camera, ahead): (usize, isize)| CameraOffset {
+            turn: self.first_turn(prior, CameraId(camera), start),
+            ahead_s: self.first_ahead_frames(prior, camera, ahead) / self.sequence.fps,
+            ..CameraOffset::none()
+        };
+        self.faults.ahead_frames().into_iter().enumerate().map(from).collect()
+    }
+
+    /// ζ of each camera as the silhouettes tell it, where it is unknown.
+    fn first_zooms(&self, prior: &CameraPrior) -> Vec<f64> {
+        let of_camera =
+            |(camera, zoom): (usize, f64)| if prior.free(camera).pose { zoom } else { 0.0 };
+        self.faults.log_zooms().into_iter().enumerate().map(of_camera).collect()
     }
 
     /// Where the estimate of a clock starts: whole frames, if the silhouettes tell them, or else what is known before.
@@ -106,6 +141,11 @@ impl JointStage<'_> {
         let prior = CameraPrior::new(self.calibrated, start, self.free, interval_s);
         prior.with_errors(self.options.calibration_errors, self.calibrated)
     }
+}
+
+/// The cameras with other focal lengths, by ζ.
+pub(super) fn zoomed(rig: &Rig, zooms: &[f64]) -> Rig {
+    CameraOffset::applied(rig, zooms.iter().map(|zoom| CameraOffset::zoomed(*zoom)))
 }
 
 /// The shortest turn of a camera about its centre that brings what it shows, at pixels, to places in the world, on the mean.

@@ -53,12 +53,12 @@ mod watch;
 mod worn;
 
 pub use crate::inference::covariance::ShapeUncertainty;
-pub use camera_covariance::{CameraCovariances, POSE};
+pub use camera_covariance::{CameraCovariances, POSE, without_lenses};
 pub use camera_found::{CameraFound, ClockFound, PoseFound};
 pub use clock_line::{ClockLine, Drift, TOLD_PPM, WindowClock, clock_line};
 pub use counted::counted;
 pub use detected::{DetectedQuality, DetectionQuality};
-pub use diagnosis::{Cause, HeadAxis, Reason, Verdict, strangers};
+pub use diagnosis::{Cause, HeadAxis, LensOff, Reason, Verdict, strangers};
 pub use fit::{Fit, fit, fit_watched};
 pub use fit_error::FitError;
 pub use fitted::{FittedFrame, MinusLogPosterior, TriedHypothesis};

@@ -101,10 +101,10 @@ fn is_usual(errors: &PoseErrors) -> bool {
 pub enum Cameras {
     /// Where their calibration says.
     Trust,
-    /// About there: turns and displacements are estimated.
+    /// About there: turns, displacements and focal lengths are estimated.
     #[default]
     Refine,
-    /// Where their calibration says; turns and displacements are estimated and told, and not used.
+    /// Where their calibration says; turns, displacements and focal lengths are estimated and told, and not used.
     Check,
 }
 

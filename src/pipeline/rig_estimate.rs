@@ -1,13 +1,13 @@
 //! Where the cameras of one rig are, from several recordings of it.
 //!
-//! c holds the turn and the displacement of every camera since it was calibrated, six numbers each. Recording r ended at ĉ_r with the
+//! c holds the turn, the displacement and the focal length ζ of every camera against its calibration, seven numbers each. Recording r ended at ĉ_r with the
 //! covariance Σ_r ([`CameraCovariances::poses`](super::CameraCovariances::poses)), both of data and prior together:
 //!
-//! E_r(c) + ρ(c),  E_r the data's part with body, motions and clocks left free, ρ = Σ ½(1 + 6) ln(1 + z²) Student's prior of a camera
-//! ([`camera_offset`](crate::inference::camera_offset)), z² = ‖ω‖²/σ_ω² + ‖t‖²/σ_t².
+//! E_r(c) + ρ(c),  E_r the data's part with body, motions and clocks left free, ρ = Σ ½(1 + 6) ln(1 + z²) + ln(1 + z_ζ²) Student's priors of a
+//! camera ([`camera_prior`](crate::inference::camera_prior)), z² = ‖ω‖²/σ_ω² + ‖t‖²/σ_t², z_ζ = ζ/σ_ζ.
 //!
 //! The prior belongs to the rig and not to a recording: it is to be counted once. Its Gauss–Newton matrix at c is W(c), diagonal, with
-//! 7/(1 + z²)/σ² of each component, and its gradient W(c)c. So the data's own matrix is L_r = Σ_r⁻¹ − W(ĉ_r), and because ĉ_r is an
+//! 7/(1 + z²)/σ² of each component, 2/(1 + z_ζ²)/σ_ζ² of ζ, and its gradient W(c)c. So the data's own matrix is L_r = Σ_r⁻¹ − W(ĉ_r), and because ĉ_r is an
 //! optimum, their gradient there is −W(ĉ_r)ĉ_r:
 //!
 //! ∇E_r(c) = L_r(c − ĉ_r) − W(ĉ_r)ĉ_r.
@@ -20,8 +20,8 @@
 //! in a recording is told nothing of by it. Where rounding makes L_r indefinite, its negative eigenvalues are taken for 0.
 //!
 //! # What the motion determines
-//! Of a camera's six numbers the data determine tr(1 − (Σ L_r + W₀)⁻¹W₀) over its block, W₀ with 1/σ² of each component: 0 where
-//! the usual errors of a calibration say all, 6 where they say nothing. W(c) would not do: Student's prior holds a camera that is
+//! Of a camera's seven numbers the data determine tr(1 − (Σ L_r + W₀)⁻¹W₀) over its block, W₀ with 1/σ² of each component: 0 where
+//! the usual errors of a calibration say all, 7 where they say nothing. W(c) would not do: Student's prior holds a camera that is
 //! found at its calibration by seven times as much, as if less had been seen of it.
 //!
 //! # Whether recordings agree
@@ -34,14 +34,15 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::camera_covariance::POSE;
-use crate::inference::camera_prior::{DISPLACEMENT_SD_M, TURN_SD};
+use crate::inference::camera_offset::ZOOM;
+use crate::inference::camera_prior::{DISPLACEMENT_SD_M, TURN_SD, ZOOM_SD};
 
 /// What a recording says of the cameras whose poses it estimated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigEvidence {
     /// Which cameras, by their position in the rig.
     pub cameras: Vec<usize>,
-    /// ĉ_r: turns (rad) and displacements (m), six numbers each.
+    /// ĉ_r: turns (rad), displacements (m) and ζ, seven numbers each.
     pub found: DVector<f64>,
     /// Σ_r.
     pub covariance: DMatrix<f64>,
@@ -50,11 +51,11 @@ pub struct RigEvidence {
 /// Where the cameras of a rig are.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigEstimate {
-    /// c: turns (rad) and displacements (m) of all cameras of the rig, 0 of those that no recording estimated.
+    /// c: turns (rad), displacements (m) and ζ of all cameras of the rig, 0 of those that no recording estimated.
     pub found: DVector<f64>,
     /// Σ.
     pub covariance: DMatrix<f64>,
-    /// How many of the six numbers of each camera the data determine.
+    /// How many of the seven numbers of each camera the data determine.
     pub determined: Vec<f64>,
     /// Pairs of a recording and a camera of which that recording says something else than all together.
     pub disagreeing: Vec<(usize, usize)>,
@@ -130,7 +131,11 @@ fn add(recording: &RigEvidence, data: &mut DMatrix<f64>, right: &mut DVector<f64
 
 /// The diagonal of W₀, of so many components.
 fn usual(n: usize) -> DVector<f64> {
-    let sd = |k: usize| if k % POSE < 3 { TURN_SD } else { DISPLACEMENT_SD_M };
+    let sd = |k: usize| match k % POSE {
+        0..3 => TURN_SD,
+        ZOOM => ZOOM_SD,
+        _ => DISPLACEMENT_SD_M,
+    };
     DVector::from_fn(n, |k, _| sd(k).powi(-2))
 }
 
@@ -141,9 +146,11 @@ fn prior(found: &DVector<f64>) -> DVector<f64> {
         let (turn, place) = (found.rows(first, 3), found.rows(first + 3, 3));
         let square = turn.norm_squared() / TURN_SD.powi(2)
             + place.norm_squared() / DISPLACEMENT_SD_M.powi(2);
-        let weight = (1.0 + POSE as f64) / (1.0 + square);
+        let weight = (1.0 + ZOOM as f64) / (1.0 + square);
         weights.rows_mut(first, 3).fill(weight / TURN_SD.powi(2));
         weights.rows_mut(first + 3, 3).fill(weight / DISPLACEMENT_SD_M.powi(2));
+        let zoom = (found[first + ZOOM] / ZOOM_SD).powi(2);
+        weights[first + ZOOM] = 2.0 / (1.0 + zoom) / ZOOM_SD.powi(2);
     }
     weights
 }
@@ -179,7 +186,8 @@ fn disagreeing(
         };
         let sure = |rows: std::ops::Range<usize>| rows.into_iter().any(|k| is_sure(&k));
         let (turn, place) = (difference.rows(0, 3).norm(), difference.rows(3, 3).norm());
-        turn > TURN_SD && sure(0..3) || place > DISPLACEMENT_SD_M && sure(3..6)
+        let is_zoomed = difference[ZOOM].abs() > ZOOM_SD && is_sure(&ZOOM);
+        turn > TURN_SD && sure(0..3) || place > DISPLACEMENT_SD_M && sure(3..6) || is_zoomed
     };
     let of_recording = |(r, recording): (usize, &RigEvidence)| {
         let which = (0..recording.cameras.len()).filter(|i| differs(recording, *i));
@@ -206,9 +214,9 @@ mod tests {
         fn new(seed: u64, cameras: usize, truth: &DVector<f64>) -> Self {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             let n = POSE * cameras;
-            // each row looks at turns in hundredths of a degree and places in millimetres
+            // each row looks at turns in hundredths of a degree, places in millimetres and focal lengths in thousandths
             let unit = |k: usize| if k % POSE < 3 { 2e-4 } else { 1e-3 };
-            let rows = DMatrix::from_fn(n + 3, n, |_, k| rng.random_range(-1.0..1.0) / unit(k));
+            let rows = DMatrix::from_fn(2 * n, n, |_, k| rng.random_range(-1.0..1.0) / unit(k));
             Self { data: rows.transpose() * rows, said: truth.clone() }
         }
 
@@ -224,7 +232,8 @@ mod tests {
     }
 
     fn truth(cameras: usize) -> DVector<f64> {
-        let values = [0.017, 0.0, 0.002, 0.0, 0.02, -0.004, 1e-4, 0.0, 0.0, 0.0, 1e-3, 0.0];
+        let touched = [0.017, 0.0, 0.002, 0.0, 0.02, -0.004, 0.01];
+        let values = [touched, [1e-4, 0.0, 0.0, 0.0, 1e-3, 0.0, -1e-3]].concat();
         DVector::from_iterator(POSE * cameras, values.into_iter().cycle().take(POSE * cameras))
     }
 
@@ -235,7 +244,7 @@ mod tests {
         approx::assert_relative_eq!(estimate.found, evidence.found, epsilon = 1e-9);
         approx::assert_relative_eq!(estimate.covariance, evidence.covariance, epsilon = 1e-12);
         assert!(estimate.disagreeing.is_empty());
-        assert!(estimate.determined.iter().all(|d| (3.0..=6.0).contains(d)), "{estimate:?}");
+        assert!(estimate.determined.iter().all(|d| (3.0..=7.0).contains(d)), "{estimate:?}");
     }
 
     #[test]
@@ -252,7 +261,7 @@ mod tests {
             epsilon = 1e-10
         );
         let own = b.evidence(&[0, 1]).covariance;
-        assert!((0..12).all(|k| estimate.covariance[(k, k)] < own[(k, k)]));
+        assert!((0..2 * POSE).all(|k| estimate.covariance[(k, k)] < own[(k, k)]));
     }
 
     #[test]
@@ -267,7 +276,8 @@ mod tests {
             epsilon = 1e-9
         );
 
-        let nothing = Seen { data: DMatrix::zeros(6, 6), said: DVector::zeros(6) }.evidence(&[0]);
+        let nothing =
+            Seen { data: DMatrix::zeros(POSE, POSE), said: DVector::zeros(POSE) }.evidence(&[0]);
         let estimate = rig_estimate(1, &[nothing]).unwrap();
         assert!(estimate.determined[0].abs() < 1e-6, "{estimate:?}");
     }

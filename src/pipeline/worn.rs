@@ -41,7 +41,7 @@ impl Worn {
     ) -> Option<Self> {
         let has_lines = stage.measures.joint.has_metaballs() && stage.options.joint.is_some();
         let overlap = mean(frames.iter().filter_map(FittedFrame::mean_iou))?;
-        let shows_body = overlap > LEAST_OVERLAP && stage.faults.are_of_places_or_clocks();
+        let shows_body = overlap > LEAST_OVERLAP && stage.faults.are_of_unknowns();
         let model = stage.evidence.model;
         let (share, swollen) = (astray_share(frames)?, Swollen::of(model, &first.shape));
         let is_drawn = share > MOST_ASTRAY || swollen.is_some();

@@ -104,12 +104,13 @@ fn found_table(cameras: &[CameraQuality], fps: f64, words: &Words) -> Markup {
                 table class="numbers" {
                     thead { tr {
                         th scope="col" { (words.of("Camera")) } th scope="col" { (words.of("Turned, °")) } th scope="col" { (words.of("Displaced, mm")) }
-                        th scope="col" { (words.of("Late, frames")) }
+                        th scope="col" { (words.of("Focal length, %")) } th scope="col" { (words.of("Late, frames")) }
                     } }
                     tbody { @for camera in all { tr {
                         th scope="row" { (camera.camera) }
                         td { (off(pose(camera, PoseFound::turn), (1.0, 2), words)) }
                         td { (off(pose(camera, PoseFound::displacement), (1e3, 1), words)) }
+                        td { (off(pose(camera, PoseFound::longer), (1e2, 2), words)) }
                         td { (off(camera.found.clock.map(|clock| clock.late_frames(fps)), (1.0, 2), words)) }
                     } } }
                 }

@@ -204,6 +204,8 @@ mod tests {
         turn_sd_deg: Some([0.1; 3]),
         displacement_m: [0.02, 0.0, 0.0],
         displacement_sd_m: Some([0.004; 3]),
+        zoom: 1.0,
+        zoom_sd: Some(0.001),
         used: true,
     };
 

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
 use super::fitted_source::FittedSource;
 use super::{Error, FitOptions};
 use crate::camera::{Camera, Rig};
-use crate::inference::camera_offset::CameraOffset;
+use crate::inference::camera_offset::{CameraOffset, ZOOM};
 use crate::io::calibration::{self, CalibrationOptions, CameraEstimate, Refined};
 use crate::io::folder::write_atomically;
 use crate::pipeline::{Cameras, Clocks, POSE, Progress, RigEstimate, RigEvidence, rig_estimate};
@@ -80,7 +80,7 @@ pub struct UsedRecording {
 pub struct RefinedCamera {
     /// Its name.
     pub camera: String,
-    /// How many of its six numbers the motion determines.
+    /// How many of its seven numbers the motion determines.
     pub determined: f64,
     /// By how much it was moved; `Err` says why it keeps its calibration.
     pub found: Result<Refined, String>,
@@ -180,6 +180,7 @@ impl Told {
             names.push(camera.camera.clone());
             found.extend(pose.turn_deg.map(f64::to_radians));
             found.extend(pose.displacement_m);
+            found.push(pose.zoom.ln());
         }
         let rows = result.quality.poses_covariance.as_ref().filter(|rows| !rows.is_empty());
         let Some(rows) = rows else {
@@ -315,7 +316,9 @@ fn why_kept(name: &String, determined: f64, told: &[Told]) -> Option<String> {
         return Some("no two others look across its line of sight".into());
     }
     (determined < LEAST_DETERMINED).then(|| {
-        format!("the motion determines {determined:.1} of its 6 numbers, the calibration the rest")
+        format!(
+            "the motion determines {determined:.1} of its {POSE} numbers, the calibration the rest"
+        )
     })
 }
 
@@ -329,12 +332,16 @@ fn found(name: &str, i: usize, estimate: &RigEstimate) -> Refined {
         let first = POSE * i + first;
         [0, 1, 2].map(|k| estimate.covariance[(first + k, first + k)].max(0.0).sqrt())
     };
+    let zoom = estimate.found[POSE * i + ZOOM].exp();
+    let variance = estimate.covariance[(POSE * i + ZOOM, POSE * i + ZOOM)];
     Refined {
         camera: name.into(),
         turn_deg: three(0).map(f64::to_degrees),
         turn_sd_deg: sd(0).map(f64::to_degrees),
         displacement_m: three(3),
         displacement_sd_m: sd(3),
+        zoom,
+        zoom_sd: zoom * variance.max(0.0).sqrt(),
     }
 }
 
@@ -347,6 +354,7 @@ fn moved(rig: &Rig, cameras: &[RefinedCamera]) -> Rig {
                 Vector3::from(found.turn_deg).map(f64::to_radians),
             ),
             displacement_m: found.displacement_m.into(),
+            log_zoom: found.zoom.ln(),
             ..CameraOffset::none()
         },
     };

@@ -13,7 +13,8 @@ use crate::io::calibration::{CalibrationOptions, CameraEstimate};
 use crate::io::folder::Existing;
 use crate::io::recording::{Recording, RecordingError};
 use crate::pipeline::{
-    Cameras, Clocks, PlaceSd, PlacedRig, Progress, Scale, Size, Walker, placed_rig, relative_sds,
+    Cameras, Clocks, POSE, PlaceSd, PlacedRig, Progress, Scale, Size, Walker, placed_rig,
+    relative_sds, without_lenses,
 };
 use crate::silhouette::FramePeople;
 
@@ -182,8 +183,9 @@ impl ByBody {
         let rows = fitted.result.quality.poses_covariance.as_ref();
         let covariance =
             rows.map(|rows| DMatrix::from_fn(rows.len(), rows.len(), |i, j| rows[i][j]));
-        let sds = covariance.filter(|c| c.nrows() == 6 * rig.cameras.len());
-        let Some(sds) = sds.and_then(|covariance| relative_sds(&rig, &covariance)) else {
+        let sds = covariance.filter(|c| c.nrows() == POSE * rig.cameras.len());
+        let sds = sds.and_then(|covariance| relative_sds(&rig, &without_lenses(&covariance)));
+        let Some(sds) = sds else {
             return Ok(Err(NOT_CROSSED));
         };
         let shape = fitted.result.shape_of(&fitted.model)?.first(model.coefficients.len());

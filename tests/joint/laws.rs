@@ -202,13 +202,14 @@ fn the_sequence_posterior_is_linearized_right_before_cameras_side_by_side() {
     is_kept_somewhere("human-metaballs", fault);
 }
 
-/// Cameras that are turned, displaced and ahead by up to two frames, each by its own amount.
+/// Cameras that are turned, displaced, zoomed and ahead by up to two frames, each by its own amount.
 fn off(cameras: usize) -> Vec<CameraOffset> {
     let offset = |camera: usize| {
         let wave = |k: usize| (1.3 * k as f64 + 2.1 * camera as f64).sin();
         CameraOffset {
             turn: UnitQuaternion::from_scaled_axis(Vector3::from_fn(|k, _| 0.02 * wave(k))),
             displacement_m: Vector3::from_fn(|k, _| 0.02 * wave(k + 3)),
+            log_zoom: 0.02 * wave(7),
             ahead_s: 2.0 / FPS * wave(6),
         }
     };
@@ -268,8 +269,6 @@ fn the_sequence_posterior_is_linearized_right_before_cameras_that_were_placed_by
     is_kept_somewhere("placed", fault);
 }
 
-/// What a camera shows of a body is the same whether the camera was moved or the body: its picture of the moved one is the one by which
-/// it is compared.
 /// Detections count apart from outlines, before cameras that are trusted and such that are unknown.
 #[test]
 fn the_sequence_posterior_is_linearized_right_with_detections() {
@@ -297,19 +296,33 @@ fn the_sequence_posterior_is_linearized_right_with_detections() {
     }
 }
 
+/// What a camera shows of a body is the same whether the camera was moved or the body: its picture of the moved one is the one by which
+/// it is compared. Of another focal length the root is where it is shown, and the rest to first order: it is relinearized there.
 #[test]
 fn a_camera_that_is_off_shows_what_a_camera_at_its_place_shows() {
     let scene = Scene::person("human-metaballs", 1);
     let offsets = off(scene.rig.cameras.len());
+    let zoomed = CameraOffset::applied(&scene.rig, offsets.clone());
+    let offsets: Vec<CameraOffset> =
+        offsets.into_iter().map(|offset| CameraOffset { log_zoom: 0.0, ..offset }).collect();
     let there = CameraOffset::applied(&scene.rig, offsets.clone());
     let motion = &scene.truth.motions[0];
     for ((camera, moved), offset) in scene.rig.cameras.iter().zip(&there.cameras).zip(offsets) {
-        let seen = offset.seen(&camera.centre_world().coords, motion);
+        let seen = offset.seen(camera, motion);
         let points = |motion| Posed::new(&scene.model, &scene.truth.shape, motion).points();
         for (point, seen) in points(motion).iter().zip(points(&seen)) {
             let (a, b) = (moved.project(point), camera.project(&seen));
             assert!((a.unwrap() - b.unwrap()).norm() < 1e-9);
         }
+    }
+
+    let root = motion.position_world.into();
+    for ((camera, moved), offset) in
+        scene.rig.cameras.iter().zip(&zoomed.cameras).zip(off(scene.rig.cameras.len()))
+    {
+        let seen = offset.seen(camera, motion).position_world.into();
+        let (a, b) = (moved.project(&root), camera.project(&seen));
+        assert!((a.expect("in view") - b.expect("in view")).norm() < 1e-9);
     }
 }
 

@@ -46,13 +46,14 @@ fn no_factor_of_the_motion_reaches_from_one_trial_to_the_next() {
     assert!(model.gradient().iter().all(|g| g.is_finite()));
 }
 
-/// Cameras that are turned and displaced alike in both trials, and ahead by a time of its own in each.
+/// Cameras that are turned, displaced and zoomed alike in both trials, and ahead by a time of its own in each.
 fn off(cameras: usize) -> Vec<CameraOffset> {
     let offset = |camera: usize| {
         let wave = |k: usize| (1.3 * k as f64 + 2.1 * (camera % (cameras / 2)) as f64).sin();
         CameraOffset {
             turn: UnitQuaternion::from_scaled_axis(Vector3::from_fn(|k, _| 0.02 * wave(k))),
             displacement_m: Vector3::from_fn(|k, _| 0.02 * wave(k + 3)),
+            log_zoom: 0.01 * wave(7),
             ahead_s: 1.0 / FPS * (0.7 * camera as f64).sin(),
         }
     };
@@ -89,7 +90,7 @@ fn a_camera_of_two_trials_is_linearized_right_with_one_pose_and_two_clocks() {
     };
     let layout = Layout::new(&scene.model);
     let shape = layout.total() - layout.motion();
-    assert_eq!(problem.empty_model().corner.nrows(), shape + (6 + 2) * cameras);
+    assert_eq!(problem.empty_model().corner.nrows(), shape + (7 + 2) * cameras);
 
     // a law is broken if it fails at three states a hair apart; between frames the body's turn counts to first order
     let fault = |seed: u64| {

@@ -5,7 +5,7 @@ usage: read_calibrations.py CALIBRATION.toml FIT FOLDER
 after: maquette fit … --out FIT; maquette calibrate FIT --out FOLDER/rig.toml, and intri.yml, rig.yml, rig.xml, rig.qca.txt, {camera}.xml
 needs: pip install -r tests/oracles/requirements.txt (opencv-python-headless: FileStorage), tomllib and xml.etree of Python
 What is expected is computed here from the calibration and result.json: a camera with the centre o, turned by R about it and displaced by t,
-has the centre o + t and the rotation R_cam Rᵀ.
+has the centre o + t and the rotation R_cam Rᵀ; its focal length is z times the calibrated one, and its lens D bends x as it bent z x before: D(z x) / z.
 Exit code 0 if everything is the same and every planted fault is noticed; otherwise 1.
 """
 import json, sys, tomllib
@@ -32,6 +32,12 @@ def cameras_of_toml(path):
     return found
 
 
+def zoomed(k, lens, zoom):
+    """K and the coefficients k1, k2, p1, p2, k3 … k6 with a focal length that is so many times as long."""
+    powers = np.array([2, 4, 1, 1, 6, 2, 4, 6])[: len(lens)]
+    return k * [[zoom, zoom, 1], [1, zoom, 1], [1, 1, 1]], lens * zoom**powers
+
+
 def expected(calibration, fit):
     result = json.loads((Path(fit) / 'result.json').read_text())
     offsets = {c['camera']: c['found'].get('pose') for c in result['quality']['cameras']}
@@ -40,6 +46,7 @@ def expected(calibration, fit):
         if offsets.get(name):
             turn = rodrigues(np.radians(offsets[name]['turn_deg']))
             rotation, centre = rotation @ turn.T, centre + offsets[name]['displacement_m']
+            k, lens = zoomed(k, lens, offsets[name]['zoom'])
         rig[name] = k, lens, rotation, centre
     return rig
 

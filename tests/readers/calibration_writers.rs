@@ -141,6 +141,8 @@ fn standard_deviations_stand_in_the_metadata_and_are_no_camera() {
             turn_sd_deg: [0.01; 3],
             displacement_m: [0.001, 0.0, 0.0],
             displacement_sd_m: [0.002; 3],
+            zoom: 1.01,
+            zoom_sd: 0.002,
         })
     };
     let mut known: Vec<CameraEstimate> = rig.cameras.iter().map(refined).collect();
@@ -150,6 +152,7 @@ fn standard_deviations_stand_in_the_metadata_and_are_no_camera() {
     let files = write(&rig, path, &CalibrationOptions::default(), &known).unwrap();
     let text = &files[0].text;
     assert!(text.contains("[metadata.refined.cam2]\nturn_deg = [ 0.1, 0.2, 0.3]"), "{text}");
+    assert!(text.contains("\nzoom = 1.01\nzoom_sd = 0.002\n"), "{text}");
     let placed = "turn_sd_deg = 0.25\nplace_sd_m = 0.004\n";
     assert!(text.contains("[metadata.placed.") && text.ends_with(placed), "{text}");
     assert_same(&read_text("rig.toml", text, &CalibrationOptions::default()).unwrap(), &rig);

@@ -67,7 +67,7 @@ pub(crate) struct FitArguments {
     /// Fit all frames together at the end, which gives every number a standard deviation
     #[arg(long, value_enum, default_value_t = Switch::On)]
     joint: Switch,
-    /// Where the cameras are: where their calibration says, or about there, with turns and displacements estimated and reported
+    /// Where the cameras are: where their calibration says, or about there, with turns, displacements and focal lengths estimated and reported
     #[arg(long, value_parser = one_of(CAMERAS), default_value = "refine")]
     cameras: Cameras,
     /// When they took their pictures: all at once, or by clocks whose offsets are estimated and reported
@@ -156,12 +156,12 @@ const CAMERAS: &[Choice<Cameras>] = &[
     (
         "refine",
         Cameras::Refine,
-        "About there: turns and displacements of cameras that two others cross are estimated",
+        "About there: turns, displacements and focal lengths of cameras that two others cross are estimated",
     ),
     (
         "check",
         Cameras::Check,
-        "Where their calibration says; turns and displacements are estimated and told, and not used",
+        "Where their calibration says; turns, displacements and focal lengths are estimated and told, and not used",
     ),
 ];
 

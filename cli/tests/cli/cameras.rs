@@ -8,7 +8,7 @@ use maquette::camera::Rig;
 use maquette::io::calibration::{self, CalibrationOptions};
 use maquette::io::folder::OutFolder;
 use maquette::io::result::ResultFile;
-use maquette::pipeline::{CameraFound, ClockFound, PoseFound};
+use maquette::pipeline::{CameraFound, ClockFound, POSE, PoseFound};
 use serde_json::Value;
 
 use crate::arm::{Arm, Ran, rig, run};
@@ -25,18 +25,22 @@ fn fitted(arm: &Arm, out: &str, change: impl FnOnce(&mut ResultFile)) -> PathBuf
             turn_sd_deg: Some([0.05; 3]),
             displacement_m: [0.0, 0.02, 0.001],
             displacement_sd_m: Some([0.002; 3]),
+            zoom: 0.98,
+            zoom_sd: Some(0.00098),
             used: true,
         });
         let ahead_s = 0.1 * (i as f64 * 2.3 - 1.7);
         camera.found.clock = (i < 2).then_some(ClockFound { ahead_s, sd_s: Some(0.004) });
     }
     // no camera's numbers hang on another's
-    let variance = |k: usize| match k % 6 < 3 {
-        true => 0.05_f64.to_radians().powi(2),
-        false => 4e-6,
+    let variance = |k: usize| match k % POSE {
+        0..3 => 0.05_f64.to_radians().powi(2),
+        3..6 => 4e-6,
+        _ => 1e-6,
     };
-    let row = |i: usize| (0..12).map(|j| if i == j { variance(i) } else { 0.0 }).collect();
-    result.quality.poses_covariance = Some((0..12).map(row).collect());
+    let all = 2 * POSE;
+    let row = |i: usize| (0..all).map(|j| if i == j { variance(i) } else { 0.0 }).collect();
+    result.quality.poses_covariance = Some((0..all).map(row).collect());
     result.quality.clocks_covariance = Some(vec![vec![16e-6, 8e-6], vec![8e-6, 16e-6]]);
     change(&mut result);
     let opened = OutFolder::open(&folder).expect("a folder");
@@ -114,7 +118,14 @@ fn a_refined_calibration_is_written_in_every_format_and_says_what_it_is() {
 
     // for a person
     let text = calibrate(&[&fit], &toml, &["--overwrite"]).succeeded().out;
-    for part in ["cam_01", "20.0 ± ", "1.02 ± ", "of 6", "cam_03 keeps its calibration: no two"] {
+    for part in [
+        "cam_01",
+        "20.0 ± ",
+        "1.02 ± ",
+        "of 7",
+        "-2.00 ± 0.10 %",
+        "cam_03 keeps its calibration: no two",
+    ] {
         assert!(text.contains(part), "{part} not in {text}");
     }
 }

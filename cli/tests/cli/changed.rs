@@ -26,12 +26,12 @@ fn a_result_of_another_version_or_with_another_byte_is_refused() {
     let whole = String::from_utf8(arm.bytes("out", "result.json")).expect("UTF-8");
     for (from, to, parts) in [
         (
-            "\"version\": 5",
+            "\"version\": 6",
             "\"version\": 3",
-            &["version 3 of the format", "reads version 5: fit the"][..],
+            &["version 3 of the format", "reads version 6: fit the"][..],
         ),
         (
-            "\"version\": 5",
+            "\"version\": 6",
             "\"version\": 99",
             &["version 99 of the format", "use the newer program"],
         ),

@@ -74,7 +74,7 @@ fn the_result_says_what_it_is_made_of() {
     let text = String::from_utf8(arm.bytes("out", "result.json")).expect("UTF-8");
     assert!(!text.contains(&arm.recording().display().to_string()), "a path of this machine");
     let result: ResultFile = serde_json::from_str(&text).expect("the documented fields");
-    assert_eq!((result.format.as_str(), result.version), ("maquette-result", 5));
+    assert_eq!((result.format.as_str(), result.version), ("maquette-result", 6));
     assert_eq!(result.recording.cameras, ["cam_01", "cam_02", "cam_03"]);
     assert_eq!(result.options.estimate.search.keyframe_every, Some(2));
     let inputs: Vec<&str> = result.inputs.iter().map(|i| i.input.as_str()).collect();

@@ -77,6 +77,34 @@ impl Distortion {
         }
     }
 
+    /// Of a lens with so many times the focal length that puts the same undistorted pixels where this one does: D′(x) = D(λx)/λ. A
+    /// fisheye's polynomial has no such counterpart, and stays.
+    #[must_use]
+    pub fn zoomed(&self, factor: f64) -> Self {
+        let square = factor * factor;
+        let (fourth, sixth) = (square.powi(2), square.powi(3));
+        match *self {
+            Self::BrownConrady { k1, k2, p1, p2, k3, k4, k5, k6 } => Self::BrownConrady {
+                k1: k1 * square,
+                k2: k2 * fourth,
+                p1: p1 * factor,
+                p2: p2 * factor,
+                k3: k3 * sixth,
+                k4: k4 * square,
+                k5: k5 * fourth,
+                k6: k6 * sixth,
+            },
+            Self::RadialCorrection { centre_x, centre_y, k1, k2, k3 } => Self::RadialCorrection {
+                centre_x: centre_x / factor,
+                centre_y: centre_y / factor,
+                k1: k1 * square,
+                k2: k2 * fourth,
+                k3: k3 * sixth,
+            },
+            Self::None | Self::Fisheye { .. } => *self,
+        }
+    }
+
     /// Distorted coordinates of an undistorted point, by the formula alone, whether the lens can see it or not.
     ///
     /// NaN where [`Distortion::RadialCorrection`] has no solution.

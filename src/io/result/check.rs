@@ -2,7 +2,7 @@
 
 use super::{FramePart, HypothesisPart, ResultFile};
 use crate::io::frame_rate;
-use crate::pipeline::MOST_EMPTY_FRAMES;
+use crate::pipeline::{MOST_EMPTY_FRAMES, POSE};
 
 /// A field that a fit cannot have written.
 pub(super) struct OddField {
@@ -73,7 +73,7 @@ fn is_of_names(frame: &FramePart, result: &ResultFile) -> bool {
 /// The covariances of the cameras, each of as many as were estimated.
 fn covariances(result: &ResultFile) -> [(&'static str, &'static str, bool); 2] {
     let cameras = &result.quality.cameras;
-    let poses = 6 * cameras.iter().filter(|camera| camera.found.pose.is_some()).count();
+    let poses = POSE * cameras.iter().filter(|camera| camera.found.pose.is_some()).count();
     let clocks = cameras.iter().filter(|camera| camera.found.clock.is_some()).count();
     let is_of = |rows: &Option<Vec<Vec<f64>>>, n: usize| {
         let is_of_n = |rows: &Vec<Vec<f64>>| rows.len() == n && rows.iter().all(|r| r.len() == n);
@@ -82,7 +82,7 @@ fn covariances(result: &ResultFile) -> [(&'static str, &'static str, bool); 2] {
     [
         (
             "quality.poses_covariance",
-            "six rows and columns for each camera with a pose",
+            "seven rows and columns for each camera with a pose",
             is_of(&result.quality.poses_covariance, poses),
         ),
         (

@@ -39,7 +39,7 @@ pub use schema::{
 /// What `format` says.
 pub(crate) const FORMAT: &str = "maquette-result";
 /// The version of the fields that this program writes and reads.
-pub(crate) const VERSION: u32 = 5;
+pub(crate) const VERSION: u32 = 6;
 
 /// Name of the file of the result, and of the points beside it.
 pub(crate) const RESULT: &str = "result.json";

@@ -254,7 +254,8 @@ pub struct QualityPart {
     /// Where each camera stands by its calibration, in the same order.
     #[serde(default)]
     pub places: Vec<PlacePart>,
-    /// Covariance of the turns (rad) and displacements (m) of the cameras whose poses were estimated, six rows each in their order.
+    /// Covariance of the turns (rad), displacements (m) and logarithms of the focal lengths of the cameras whose poses were estimated,
+    /// seven rows each in their order.
     #[serde(default)]
     pub poses_covariance: Option<Vec<Vec<f64>>>,
     /// Covariance of the times (s) by which the cameras are ahead whose clocks were estimated, in their order.

@@ -17,6 +17,19 @@ impl CameraFaults {
         ahead
     }
 
+    /// ζ of each camera: the logarithm of the focal length that its silhouettes tell, over the calibrated one.
+    pub(in crate::pipeline) fn log_zooms(&self) -> Vec<f64> {
+        let mut zooms = vec![0.0; self.readings.len()];
+        for fault in &self.faults {
+            match fault {
+                CameraFault::AllZoomed(zoom) => zooms.iter_mut().for_each(|z| *z += zoom.ln()),
+                CameraFault::Zoomed(id, zoom) => zooms[id.0] += zoom.ln(),
+                _ => {}
+            }
+        }
+        zooms
+    }
+
     /// Whether a camera shows the person elsewhere than the others do.
     pub(in crate::pipeline) fn is_elsewhere(&self, id: CameraId) -> bool {
         let is_it = |fault: &CameraFault| {

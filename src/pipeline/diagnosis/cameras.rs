@@ -51,20 +51,18 @@ impl CameraFaults {
         camera_faults(&Scene::new(rig, frames))
     }
 
-    /// Whether all of them are what an estimate of the cameras' places and clocks finds better: cameras that are late or elsewhere.
-    pub(in crate::pipeline) fn are_of_places_or_clocks(&self) -> bool {
+    /// Whether all of them are what the joint optimum finds better: cameras that are late, elsewhere or zoomed.
+    pub(in crate::pipeline) fn are_of_unknowns(&self) -> bool {
         let is_such = |fault: &CameraFault| {
-            matches!(fault, CameraFault::Late(..) | CameraFault::Elsewhere { .. })
+            let of_place = matches!(fault, CameraFault::Late(..) | CameraFault::Elsewhere { .. });
+            of_place || fault.is_of_lens()
         };
         self.faults.iter().all(is_such)
     }
 
     /// Whether one of them is a focal length, or there are none.
     pub(super) fn is_any_of_lenses(&self) -> bool {
-        let is_such = |fault: &CameraFault| {
-            matches!(fault, CameraFault::AllZoomed(_) | CameraFault::Zoomed(..))
-        };
-        self.faults.is_empty() || self.faults.iter().any(is_such)
+        self.faults.is_empty() || self.faults.iter().any(CameraFault::is_of_lens)
     }
 
     /// Whether nearly all misses come from them.
@@ -337,6 +335,10 @@ fn shifted(scene: &Scene<'_>, now: &Now, camera: usize) -> Option<Trial> {
 }
 
 impl CameraFault {
+    fn is_of_lens(&self) -> bool {
+        matches!(self, Self::AllZoomed(_) | Self::Zoomed(..))
+    }
+
     /// The camera, of faults of one.
     pub(super) fn camera(self) -> Option<usize> {
         match self {

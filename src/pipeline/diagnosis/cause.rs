@@ -8,6 +8,9 @@ use crate::camera::{CameraId, Rig};
 use crate::pipeline::{CameraQuality, PoseFound};
 use crate::silhouette::FrameIndex;
 
+/// Focal lengths of all cameras are wrong alike if they differ by less than this share of what they are wrong by.
+const ALIKE: f64 = 0.5;
+
 /// A figure beyond its limit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "figure")]
@@ -64,6 +67,31 @@ pub enum Reason {
     },
 }
 
+/// By how much a focal length is wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct LensOff {
+    /// The calibrated over the true one.
+    pub factor: f64,
+    /// Its standard deviation, where the joint optimum found it; else it is what silhouettes tell, roughly.
+    pub sd: Option<f64>,
+    /// Whether the fit takes it into account.
+    pub used: bool,
+}
+
+impl LensOff {
+    /// As silhouettes alone tell that the true one is so many times the calibrated one.
+    fn roughly(zoom: f64) -> Self {
+        Self { factor: 1.0 / zoom, sd: None, used: false }
+    }
+
+    /// As the joint optimum found it, where that is surely off.
+    fn found(pose: &PoseFound) -> Option<Self> {
+        let sd = pose.zoom_sd.filter(|_| pose.is_zoomed())?;
+        let factor = 1.0 / pose.zoom;
+        Some(Self { factor, sd: Some(sd * factor * factor), used: pose.used })
+    }
+}
+
 /// What is wrong with a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "cause")]
@@ -90,15 +118,17 @@ pub enum Cause {
     },
     /// The focal lengths of all cameras are wrong.
     FocalLengths {
-        /// The calibrated over the true ones.
-        factor: f64,
+        /// By how much.
+        #[serde(flatten)]
+        lens: LensOff,
     },
     /// The focal length of a camera is wrong.
     FocalLength {
         /// Its name.
         camera: String,
-        /// The calibrated over the true one.
-        factor: f64,
+        /// By how much.
+        #[serde(flatten)]
+        lens: LensOff,
     },
     /// A camera shows the person elsewhere than the others.
     Displaced {
@@ -260,6 +290,7 @@ pub(in crate::pipeline) fn camera_causes(rig: &Rig, found: &CameraFaults) -> Vec
 
 /// What the joint optimum found to be wrong with the cameras of a recording at `fps`.
 pub(super) fn found_causes(cameras: &[CameraQuality], fps: f64) -> Vec<Cause> {
+    let lenses = found_lenses(cameras);
     let of_camera = |quality: &CameraQuality| {
         let camera = || quality.camera.clone();
         let pose = quality.found.pose.filter(PoseFound::was_touched);
@@ -271,7 +302,29 @@ pub(super) fn found_causes(cameras: &[CameraQuality], fps: f64) -> Vec<Cause> {
         });
         touched.into_iter().chain(off)
     };
-    cameras.iter().flat_map(of_camera).collect()
+    lenses.into_iter().chain(cameras.iter().flat_map(of_camera)).collect()
+}
+
+/// Focal lengths that are not the calibrated ones: of all cameras, where they differ alike, or of each.
+fn found_lenses(cameras: &[CameraQuality]) -> Vec<Cause> {
+    let with_pose = cameras.iter().filter_map(|quality| Some((quality, quality.found.pose?)));
+    let with_pose: Vec<(&CameraQuality, PoseFound)> = with_pose.collect();
+    let off = with_pose
+        .iter()
+        .filter_map(|(quality, pose)| Some((quality.camera.clone(), LensOff::found(pose)?)));
+    let off: Vec<(String, LensOff)> = off.collect();
+
+    let factors = || off.iter().map(|(_, lens)| lens.factor);
+    let (least, most) = (factors().fold(f64::MAX, f64::min), factors().fold(0.0, f64::max));
+    let middle = 0.5 * (least + most);
+    match off[..] {
+        [(_, lens), _, ..]
+            if off.len() == with_pose.len() && most - least < ALIKE * (middle - 1.0).abs() =>
+        {
+            vec![Cause::FocalLengths { lens: LensOff { factor: middle, ..lens } }]
+        }
+        _ => off.into_iter().map(|(camera, lens)| Cause::FocalLength { camera, lens }).collect(),
+    }
 }
 
 fn camera_cause(rig: &Rig, fault: CameraFault) -> Cause {
@@ -280,9 +333,9 @@ fn camera_cause(rig: &Rig, fault: CameraFault) -> Cause {
         CameraFault::Mirrored(id) => Cause::Mirrored { camera: name(rig, id) },
         CameraFault::Exchanged(a, b) => Cause::Exchanged { cameras: [name(rig, a), name(rig, b)] },
         CameraFault::Late(id, frames) => Cause::Late { camera: name(rig, id), frames },
-        CameraFault::AllZoomed(zoom) => Cause::FocalLengths { factor: 1.0 / zoom },
+        CameraFault::AllZoomed(zoom) => Cause::FocalLengths { lens: LensOff::roughly(zoom) },
         CameraFault::Zoomed(id, zoom) => {
-            Cause::FocalLength { camera: name(rig, id), factor: 1.0 / zoom }
+            Cause::FocalLength { camera: name(rig, id), lens: LensOff::roughly(zoom) }
         }
         CameraFault::Elsewhere { camera, miss_m } => {
             Cause::Displaced { camera: name(rig, camera), miss_m }

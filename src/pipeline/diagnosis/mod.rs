@@ -65,7 +65,7 @@ use crate::silhouette::FrameObservations;
 pub(super) use astray::{MOST_ASTRAY, astray_share};
 pub(super) use cameras::CameraFaults;
 pub(super) use cause::camera_causes;
-pub use cause::{Cause, Reason};
+pub use cause::{Cause, LensOff, Reason};
 pub(super) use cleared::Cleared;
 pub(super) use parts::AGREEING;
 pub(super) use proportions::likeliest_scale;

@@ -3,11 +3,12 @@
 use std::fmt;
 
 use super::verdict::BODY_L;
-use super::{Cause, Reason, Verdict};
+use super::{Cause, LensOff, Reason, Verdict};
 use crate::pipeline::counted;
 
 /// What is said of what the fit moves.
 const USED: &str = "taken into account";
+const NOT_USED: &str = "told, and not used: --cameras check";
 
 impl Verdict {
     /// The headline of a fit that cannot be used.
@@ -105,16 +106,10 @@ impl fmt::Display for Cause {
                 counted(frames.unsigned_abs(), "frame"),
                 -frames
             ),
-            Self::FocalLengths { factor } => write!(
-                f,
-                "the focal lengths of all cameras are about {}: calibrate the lenses again, with zoom and picture size as recorded",
-                too_large(*factor, "long", "short")
-            ),
-            Self::FocalLength { camera, factor } => write!(
-                f,
-                "the focal length of {camera} is about {}: calibrate its lens again, with zoom and picture size as recorded",
-                too_large(*factor, "long", "short")
-            ),
+            Self::FocalLengths { lens } => write!(f, "the focal lengths of all cameras are {lens}"),
+            Self::FocalLength { camera, lens } => {
+                write!(f, "the focal length of {camera} is {lens}")
+            }
 
             // where it stands
             Self::Displaced { camera, miss_m } => write!(
@@ -130,7 +125,7 @@ impl fmt::Display for Cause {
                     turn_sd.unwrap_or_default(),
                     1e3 * place,
                     1e3 * place_sd.unwrap_or_default(),
-                    if pose.used { USED } else { "told, and not used: --cameras check" }
+                    if pose.used { USED } else { NOT_USED }
                 )
             }
             Self::Clock { camera, late_frames, sd_frames } => write!(
@@ -288,6 +283,27 @@ fn too_large(factor: f64, large: &str, small: &str) -> String {
     format!("{percent:.0} % too {}", if factor > 1.0 { large } else { small })
 }
 
+impl fmt::Display for LensOff {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { factor, sd, used } = self;
+        let Some(sd) = sd else {
+            let off = too_large(*factor, "long", "short");
+            return write!(
+                f,
+                "about {off}: calibrate again, with zoom and picture size as recorded"
+            );
+        };
+        write!(
+            f,
+            "{:.1} ± {:.1} % too {} ({})",
+            100.0 * (factor - 1.0).abs(),
+            100.0 * sd,
+            if *factor > 1.0 { "long" } else { "short" },
+            if *used { USED } else { NOT_USED }
+        )
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -302,6 +318,8 @@ mod tests {
                 turn_sd_deg: Some([0.1; 3]),
                 displacement_m: [0.02, 0.0, 0.0],
                 displacement_sd_m: Some([0.005; 3]),
+                zoom: 1.0,
+                zoom_sd: Some(0.001),
                 used,
             }),
         };

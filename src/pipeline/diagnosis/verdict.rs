@@ -200,7 +200,7 @@ impl Diagnosis<'_> {
 
     /// What is wrong with the cameras: as the joint optimum found it, where that can.
     fn of_cameras(&self, unusable: &[Reason]) -> Vec<Cause> {
-        if unusable.is_empty() && self.faults.are_of_places_or_clocks() && self.has_estimates() {
+        if unusable.is_empty() && self.faults.are_of_unknowns() && self.has_estimates() {
             return found_causes(self.cameras, self.fps);
         }
         camera_causes(self.evidence.rig, self.faults)
@@ -324,6 +324,8 @@ mod tests {
                     turn_sd_deg: Some([0.2; 3]),
                     displacement_m: [0.0; 3],
                     displacement_sd_m: Some([0.01; 3]),
+                    zoom: 1.0,
+                    zoom_sd: Some(0.001),
                     used: true,
                 }),
                 clock: None,

@@ -5,8 +5,14 @@
 //! either n is another, or R. Of either, the frame is the one with which all frames of the camera together cost least, and so are n and R.
 //! Where frames come twice, n falls.
 //!
+//! More numbers always cost less. A change is one that explains what the camera shows if Schwarz's criterion prefers it: of N frames that cost
+//! C₀ with one n and one R, and C with a change of k numbers more, N ln(C₀/C) > k ln N; k = 4 of a touch, R and the frame, and 2 of lost frames.
+//!
 //! What the others cost is added. So all changes of all cameras are compared by what all that is shown costs: without the camera that changed the
 //! others agree, without another they do not.
+//!
+//! # Source
+//! Schwarz 1978, *Estimating the dimension of a model*; errors whose variance is not known.
 
 use std::ops::Range;
 
@@ -68,8 +74,12 @@ impl Change {
         let touched = ahead.into_iter().filter_map(|ahead| shown.touched(ahead, jump.frame));
         let touched = touched.min_by(|a, b| a.cost.total_cmp(&b.cost));
 
-        let others: f64 = moments.costs(|id| id != jump.camera).iter().sum();
+        // one that explains nothing is none
         let both = lost.into_iter().chain(touched);
+        let unchanged = shown.unchanged([split.before, split.behind].map(whole_frames));
+        let both = both.filter(|change| unchanged.is_none_or(|cost| shown.explains(change, cost)));
+
+        let others: f64 = moments.costs(|id| id != jump.camera).iter().sum();
         both.map(|change| Self { cost: change.cost + others, ..change }).collect()
     }
 }
@@ -113,6 +123,26 @@ impl<'m> Shown<'m> {
         let costs =
             |i| self.costs(0..self.frames.len(), whole_frames(i), UnitQuaternion::identity());
         (0..CHOICES).map(|i| Sums::new(&costs(i))).collect()
+    }
+
+    /// What all frames cost with one n of these and one R.
+    fn unchanged(&self, ahead: [isize; 2]) -> Option<f64> {
+        let all = 0..self.frames.len();
+        let cost = |ahead: isize| {
+            let turn = self.turn(&[(all.clone(), ahead)], UnitQuaternion::identity())?;
+            Sums::new(&self.costs(all.clone(), ahead, turn)).of(all.clone())
+        };
+        ahead.into_iter().filter_map(cost).reduce(f64::min)
+    }
+
+    /// Whether a change explains more of what the camera shows than its numbers would by chance.
+    fn explains(&self, change: &Change, unchanged: f64) -> bool {
+        let numbers = match change.what {
+            What::Frames(_) => 2.0,
+            What::Turn(_) => 4.0,
+        };
+        let frames = self.frames.len() as f64;
+        frames * (unchanged / change.cost).ln() > numbers * frames.ln()
     }
 
     /// n where it changes, by what the frames cost with each; `None` if it does not.
@@ -165,10 +195,10 @@ impl<'m> Shown<'m> {
 
     /// The body of n frames later before the camera turned by R.
     fn seen(&self, position: usize, ahead: isize, turn: UnitQuaternion<f64>) -> Option<Motion> {
-        let centre = self.moments.evidence.rig.cameras[self.camera.0].centre_world().coords;
+        let camera = &self.moments.evidence.rig.cameras[self.camera.0];
         let instant = self.moments.later(self.camera, position, ahead)?;
         let offset = CameraOffset { turn, ..CameraOffset::none() };
-        Some(offset.seen(&centre, &instant.motion))
+        Some(offset.seen(camera, &instant.motion))
     }
 
     /// C_i(n, R); none where the body of n frames later is before or after the recording.

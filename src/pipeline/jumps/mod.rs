@@ -5,11 +5,14 @@
 //! from one frame to the next, what the camera shows lies elsewhere beside the body or is of another time (`beside.rs`, `step.rs`).
 //!
 //! The body yields to a jump, and other cameras seem to jump with it. So each suspect is looked at alone, beside the body that the others show: by how
-//! many frames it may have lost there, and by how much it may have been turned (`change.rs`). What leaves the least cost is tried with all cameras,
-//! and whatever else leaves less than twice as much, for beside two cameras a body yields to either.
+//! many frames it may have lost there, and by how much it may have been turned (`change.rs`), if either explains more than chance would. What leaves
+//! the least cost is tried with all cameras, from the motion of the others, and whatever else leaves less than twice as much, for beside two
+//! cameras a body yields to either.
 //!
 //! - Lost frames: what the camera shows behind the jump is numbered anew.
 //! - A camera that was touched, turned by more than a usual calibration errs: the shorter side of the jump is left out.
+//!
+//! Where pictures are exchanged or mirrored, anything may seem to jump: that is told first, and nothing is looked for.
 //!
 //! If something still jumps there, it was not that. Of what is left, it is what makes all that is shown cost least. Then the next jump, while two other
 //! cameras show something.
@@ -26,9 +29,10 @@ use change::{Change, What, costs_turned};
 use step::{Step, largest, largest_jump, steps};
 
 use super::diagnosis::{CameraFaults, Cause};
-use super::estimate::{Estimate, LastStage};
+use super::estimate::{Estimate, LastStage, Start};
 use crate::body::Root;
 use crate::camera::{CameraId, Rig};
+use crate::inference::joint::JointOptions;
 use crate::inference::search::Trial;
 use crate::inference::{Evidence, Sequence};
 use crate::likelihood::Measure;
@@ -70,7 +74,8 @@ impl<'a> Settled<'a> {
         let (estimate, measure) = stage.run(winner);
         let (frames, faults) = (Cow::Borrowed(stage.sequence.frames), Cow::Borrowed(stage.faults));
         let mut settled = Self { estimate, measure, frames, faults, causes: Vec::new() };
-        if stage.options.joint.is_none() || stage.evidence.model.root == Root::Fixed {
+        let is_asked = stage.options.joint.is_some() && stage.evidence.model.root != Root::Fixed;
+        if !is_asked || !stage.faults.are_of_unknowns() {
             return settled;
         }
 
@@ -99,28 +104,32 @@ impl<'a> Settled<'a> {
         // what may have changed, beside the body that the others show
         let suspects = suspects.iter().take(SUSPECTS);
         let changes = suspects.flat_map(|jump| self.changes(stage, winner, jump));
-        let mut changes: Vec<Change> = changes.collect();
-        changes.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        let mut changes: Vec<(Change, Start)> = changes.collect();
+        changes.sort_by(|(a, _), (b, _)| a.cost.total_cmp(&b.cost));
 
         // what did change, with all
-        let most = LIKELY * changes.first()?.cost;
-        let likely = changes.iter().take_while(|change| change.cost <= most);
-        let tried = likely.filter_map(|change| self.without(stage, winner, change));
+        let most = LIKELY * changes.first()?.0.cost;
+        let likely = changes.iter().take_while(|(change, _)| change.cost <= most);
+        let tried = likely.filter_map(|(change, start)| self.without(stage, start, change));
         tried.min_by(|a, b| a.cost.total_cmp(&b.cost))
     }
 
-    /// What may have changed of a camera that seems to jump.
-    fn changes(&self, stage: &LastStage<'_>, winner: &Trial, jump: &Step) -> Vec<Change> {
-        let options = stage.options.of_trial_alone();
+    /// What may have changed of a camera that seems to jump, and the motion of the others.
+    fn changes(&self, stage: &LastStage<'_>, winner: &Trial, jump: &Step) -> Vec<(Change, Start)> {
+        let Some(joint) = stage.options.of_trial_alone().joint else { return Vec::new() };
         let others = self.frames.iter().map(|frame| frame.without(jump.camera)).collect();
-        let others = self.again(&LastStage { options: &options, ..*stage }, winner, others);
+        let start = Start::of_winner(stage, winner);
+        let others = self.again(stage, (&start, &joint), others);
         let evidence = others.evidence(stage);
         let sequence = Sequence { frames: &self.frames, ..stage.sequence };
-        Change::both(&Moments::new(&evidence, &others.estimate, sequence), jump)
+        let changes = Change::both(&Moments::new(&evidence, &others.estimate, sequence), jump);
+        let start = start.moving_as(&others.estimate);
+        changes.into_iter().map(|change| (change, start.clone())).collect()
     }
 
-    /// Without a change; `None` if something still jumps there.
-    fn without(&self, stage: &LastStage<'_>, winner: &Trial, change: &Change) -> Option<Tried<'a>> {
+    /// Without a change, from the motion of the others; `None` if something still jumps there.
+    fn without(&self, stage: &LastStage<'_>, start: &Start, change: &Change) -> Option<Tried<'a>> {
+        let joint = stage.options.joint.as_ref()?;
         let Change { camera: id, frame, .. } = *change;
         let camera = stage.evidence.rig.cameras[id.0].name.clone();
         let (side, frames, cause) = match change.what {
@@ -137,7 +146,7 @@ impl<'a> Settled<'a> {
             }
         };
 
-        let settled = self.again(stage, winner, frames);
+        let settled = self.again(stage, (start, joint), frames);
         let steps = settled.steps(stage);
         let jumps = |step: &&Step| step.is_about(frame);
         if largest_jump(steps.iter().filter(jumps)).is_some() {
@@ -165,12 +174,13 @@ impl<'a> Settled<'a> {
     fn again(
         &self,
         stage: &LastStage<'_>,
-        winner: &Trial,
+        (start, joint): (&Start, &JointOptions),
         frames: Vec<FrameObservations>,
     ) -> Settled<'a> {
         let faults = CameraFaults::of(stage.evidence.rig, &frames);
         let sequence = Sequence { frames: &frames, ..stage.sequence };
-        let (estimate, measure) = LastStage { sequence, faults: &faults, ..*stage }.run(winner);
+        let stage = LastStage { sequence, faults: &faults, ..*stage };
+        let (estimate, measure) = stage.run_from(start, joint);
         let (frames, faults) = (Cow::Owned(frames), Cow::Owned(faults));
         Settled { estimate, measure, frames, faults, causes: Vec::new() }
     }

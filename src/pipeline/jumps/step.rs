@@ -5,8 +5,8 @@
 //! metres at the person or frames.
 //!
 //! The median of steps tells their standard deviation σ: for lengths of two components it is σ √(2 ln 2), for one component 0.6745 σ. The larger
-//! counts, that of all cameras or of one, apart from its largest step. Of 550 steps of a walk the largest is five σ. A step is a jump if it is
-//! larger than 10 σ, and larger than what is usual: what a calibration errs by, √((σ_turn z)² + σ_place²), and half a frame.
+//! counts, that of all cameras or of one, apart from its largest step. Of 550 steps of a walk the largest is five σ. A step may be a jump if it is
+//! larger than that, and larger than what is usual: what a calibration errs by, √((σ_turn z)² + σ_place²), and half a frame.
 
 use nalgebra::Vector3;
 
@@ -21,7 +21,7 @@ pub(super) const SIDE: usize = 5;
 /// They may lie so many times as far apart as they would without missing ones.
 const MOST_APART: usize = 3;
 /// A jump is so many standard deviations large.
-const SURE: f64 = 10.0;
+const SURE: f64 = 5.0;
 /// What no clock errs by from one frame to the next.
 const LEAST_FRAMES: f64 = 0.5;
 /// The median of a length whose two components have the standard deviation 1, √(2 ln 2), …

@@ -34,7 +34,7 @@ use super::camera_covariance::CameraCovariances;
 use super::diagnosis::{CameraFaults, Cause, Cleared};
 use super::estimate::Estimate;
 use super::fit::measures;
-use super::joint_stage::{Joined, JointStage, detected_names};
+use super::joint_stage::{Joined, JointStage, detected_names, zoomed};
 use super::judged::Judge;
 use super::jumps::without_jumps;
 use super::measures::Measures;
@@ -205,10 +205,12 @@ impl Session<'_> {
         let joint = JointOptions { rounds: Rounds::FromThinned, ..joint };
 
         // what each trial shows, its cameras counted through all trials
-        let state = self.start(shared);
+        let (state, zooms) = self.start(shared);
+        let rig = zoomed(&shared.rig, &zooms);
         let (mut thinned, mut all, mut priors) = (Vec::new(), Vec::new(), Vec::new());
         for (k, trial) in self.trials.iter().enumerate() {
-            let evidence = self.evidence(&detected, trial.rig, k);
+            let own = Rig { cameras: rig.cameras[shared.cameras[k].clone()].to_vec() };
+            let evidence = self.evidence(&detected, &own, k);
             let prior = self.camera_prior(&joint, k);
             let terms = evidence.sequence_terms(trial.sequence, prior.clone());
             thinned.extend(counted_from(terms.thinned, shared.cameras[k].start));
@@ -216,13 +218,18 @@ impl Session<'_> {
             priors.push((prior, trial.rig.cameras.len()));
         }
         let camera_prior = CameraPrior::of_trials(&priors, |camera| shared.same[camera]);
+        let camera_prior = camera_prior.with_zooms(&zooms);
         let terms = SequenceTerms { thinned, all, camera_prior };
 
         progress.begin("one body for all trials", joint.most_steps());
-        let evidence = self.evidence(&detected, &shared.rig, 0);
+        let evidence = self.evidence(&detected, &rig, 0);
         let (seconds, step) = (seconds(self.trials), || progress.step());
-        let optimum = joint_optimum_from_terms(&evidence, &terms, &seconds, state, &joint, &step);
+        let mut optimum =
+            joint_optimum_from_terms(&evidence, &terms, &seconds, state, &joint, &step);
         progress.end();
+        for (camera, zoom) in optimum.cameras.iter_mut().zip(&zooms) {
+            camera.log_zoom += zoom;
+        }
         let part =
             |(k, frames)| self.part(&optimum, &terms.camera_prior, frames, &shared.cameras[k]);
         frames(self.trials).into_iter().enumerate().map(part).collect()
@@ -232,8 +239,8 @@ impl Session<'_> {
         Evidence::new(detected, rig, self.trials[k].options.likelihood, self.measures[k].joint)
     }
 
-    /// The mean shape, every trial's own motion, and the cameras as they were found alone.
-    fn start(&self, shared: &SharedRig) -> SequenceState {
+    /// The mean shape, every trial's own motion, and the cameras as they were found alone: before lenses as they were found, ζ of each.
+    fn start(&self, shared: &SharedRig) -> (SequenceState, Vec<f64>) {
         let alone = || self.trials.iter().map(|trial| &trial.alone);
         let motions = alone().flat_map(|alone| alone.motions.clone()).collect();
         let mut cameras: Vec<CameraOffset> =
@@ -243,7 +250,8 @@ impl Session<'_> {
                 cameras[i] = CameraOffset { ahead_s: cameras[i].ahead_s, ..cameras[*same] };
             }
         }
-        SequenceState { shape: mean_shape(alone()), motions, cameras }
+        let zooms = cameras.iter_mut().map(|camera| std::mem::take(&mut camera.log_zoom)).collect();
+        (SequenceState { shape: mean_shape(alone()), motions, cameras }, zooms)
     }
 
     /// What of a trial's cameras is unknown.

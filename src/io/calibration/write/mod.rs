@@ -27,7 +27,7 @@ use opencv::Syntax;
 
 pub use self::toml::write_toml;
 
-/// By how much a camera's pose was changed, and how sure that is; world axes.
+/// By how much a camera's pose and focal length were changed, and how sure that is; world axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refined {
     /// Its name.
@@ -40,6 +40,10 @@ pub struct Refined {
     pub displacement_m: [f64; 3],
     /// Its standard deviations.
     pub displacement_sd_m: [f64; 3],
+    /// The focal length over the one before.
+    pub zoom: f64,
+    /// Its standard deviation.
+    pub zoom_sd: f64,
 }
 
 /// What is known of a camera of a calibration that was estimated.

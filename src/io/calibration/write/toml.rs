@@ -28,12 +28,14 @@ pub(super) fn text(rig: &Rig, unit_m: f64, known: &[CameraEstimate]) -> String {
 fn estimate(known: &CameraEstimate) -> String {
     match known {
         CameraEstimate::Refined(refined) => format!(
-            "\n[metadata.refined.{}]\nturn_deg = {}\nturn_sd_deg = {}\ndisplacement_m = {}\ndisplacement_sd_m = {}\n",
+            "\n[metadata.refined.{}]\nturn_deg = {}\nturn_sd_deg = {}\ndisplacement_m = {}\ndisplacement_sd_m = {}\nzoom = {:?}\nzoom_sd = {:?}\n",
             key(&refined.camera),
             list(&refined.turn_deg),
             list(&refined.turn_sd_deg),
             list(&refined.displacement_m),
             list(&refined.displacement_sd_m),
+            refined.zoom,
+            refined.zoom_sd,
         ),
         CameraEstimate::Placed { camera, turn_sd_deg, place_sd_m } => format!(
             "\n[metadata.placed.{}]\nturn_sd_deg = {turn_sd_deg:?}\nplace_sd_m = {place_sd_m:?}\n",
