@@ -17,13 +17,14 @@
 //!    than [`LEAST_SHARE`] of the frames is nobody. Where two who were apart before and after have one peak, each voxel is the nearer's.
 //! 3. Each one's share of the masks is what only their voxels show; to it a body is fitted, by Algorithm 1 with few keyframes.
 //! 4. These bodies give r; σ is 1.48 times the median of min_p |d_p|. To whom no body can be fitted, whose body covers their share less than a fit must, or lies within another's
-//!    body, is nobody: a thing, or a leg far ahead of its trunk. The others are fitted anew.
+//!    body, is nobody: a thing, or a leg far ahead of its trunk. The others are fitted anew. Nobody is several to whose borders one body lies as near (`bodies.rs`).
 //!
 //! Masks with a value for each person need none of this: a value is a person in all cameras ([`by_labels`]).
 //!
 //! # Who is measured
 //! The one who is in view longest; of several, the one who crosses the room; of several, the smallest: beside a child walks a parent.
 
+mod bodies;
 mod room;
 mod share;
 mod standing;
@@ -35,35 +36,26 @@ use std::collections::BTreeMap;
 use nalgebra::Point3;
 use rayon::prelude::*;
 
+use self::bodies::Bodies;
 use self::room::Room;
 use self::standing::Standing;
-use super::diagnosis::{LEAST_OVERLAP, WithoutRods};
-use super::estimate::Estimate;
-use super::fit::estimated;
-use super::measures::Measures;
+use super::diagnosis::WithoutRods;
 use super::person::tracks;
-use super::quality::sampled_iou;
 use super::{EstimateOptions, FitError, Progress};
-use crate::body::{BodyModel, Posed};
+use crate::body::BodyModel;
 use crate::camera::Rig;
+use crate::inference::Sequence;
 use crate::inference::hull::{has_depth, lines_of_sight};
-use crate::inference::search::SearchOptions;
-use crate::inference::{Evidence, Sequence};
-use crate::math::quadric::Ellipsoid;
-use crate::math::stats::{mean, median};
+use crate::math::stats::median;
 use crate::silhouette::FrameObservations;
 
 /// Who is in view for less than this share of the frames is nobody.
 pub const LEAST_SHARE: f64 = 0.2;
 /// Two people are in view equally long, or walk equally far, from this ratio on.
 const EQUAL: f64 = 0.8;
-/// Two bodies do not fill the same room: the share of one's ellipsoids whose middle may lie within another, as both are fitted coarsely.
-const MOST_INSIDE: f64 = 0.1;
 /// Before they are first seen, and after they are last seen, people are expected for so long, on the line of so long, s.
 const REACH_S: f64 = 0.6;
 const STEADY_S: f64 = 0.2;
-/// Keyframes of the bodies that tell whose the borders are.
-const KEYFRAMES: usize = 3;
 
 /// One person over time: what they fill in each frame.
 struct Track {
@@ -111,14 +103,12 @@ pub fn people(
 
         // 4. whose the borders are, and who is nobody
         let shares = bodies.shares(rig, sequence, &tracks);
-        let overlaps = bodies.overlaps(rig, options, &shares)?;
-        let inside = bodies.inside_others(&tracks);
-        let is_somebody = |p: &usize| overlaps[*p] >= LEAST_OVERLAP && inside[*p] <= MOST_INSIDE;
-        let worst = (0..tracks.len()).filter(|person| !is_somebody(person));
-        let seen = |person: &usize| overlaps[*person] * tracks[*person].frames.len() as f64;
-        match worst.min_by(|a, b| seen(a).total_cmp(&seen(b))) {
+        match bodies.nobody(rig, options, &shares, &tracks)? {
             Some(nobody) => remove(nobody, &room, &mut tracks),
-            None => return Ok(measured_first(&tracks, shares)),
+            None if bodies.miss_less_than_one(rig, sequence, &tracks, options, progress) => {
+                return Ok(measured_first(&tracks, shares));
+            }
+            None => break,
         }
     }
     Ok(Vec::new())
@@ -128,96 +118,6 @@ pub fn people(
 fn remove(nobody: usize, room: &Room, tracks: &mut Vec<Track>) {
     let nobody = tracks.remove(nobody);
     nobody.give(room, tracks);
-}
-
-/// A body that was fitted coarsely to each person.
-struct Bodies<'a> {
-    model: &'a BodyModel,
-    people: Vec<Estimate>,
-}
-
-impl<'a> Bodies<'a> {
-    /// A body for each share; else the position of the first to which none can be fitted, as to a thing that is much smaller.
-    fn fitted(
-        model: &'a BodyModel,
-        rig: &Rig,
-        fps: f64,
-        options: &EstimateOptions,
-        shares: &[Vec<FrameObservations>],
-        progress: &dyn Progress,
-    ) -> Result<Self, usize> {
-        let body = |frames: &Vec<FrameObservations>| {
-            let keyframe_every = Some(frames.len().div_ceil(KEYFRAMES));
-            let search = SearchOptions { keyframe_every, ..options.search.clone() };
-            let coarse = EstimateOptions { joint: None, search, ..options.clone() };
-            estimated(model, rig, Sequence { frames, fps }, &coarse, progress)
-        };
-        let people = shares.iter().enumerate().map(|(i, frames)| body(frames).map_err(|_| i));
-        Ok(Self { model, people: people.collect::<Result<_, _>>()? })
-    }
-
-    /// The body of everybody who is there in a frame.
-    fn posed(&self, tracks: &[Track], frame: usize) -> Vec<Option<Posed<'_>>> {
-        let people = tracks.iter().zip(&self.people);
-        let posed = people.map(|(track, body)| {
-            let is_there = track.frames.contains_key(&frame);
-            is_there.then(|| Posed::new(self.model, &body.shape, &body.frames[frame].motion))
-        });
-        posed.collect()
-    }
-
-    /// Each person's share of the masks, by these bodies.
-    fn shares(
-        &self,
-        rig: &Rig,
-        sequence: Sequence<'_>,
-        tracks: &[Track],
-    ) -> Vec<Vec<FrameObservations>> {
-        let frames = sequence.frames.par_iter().enumerate();
-        let spread = |(i, frame)| share::spread_m(rig, frame, &self.posed(tracks, i));
-        let spread_m = median(&mut frames.filter_map(spread).collect()).unwrap_or(f64::INFINITY);
-        of_everybody(sequence, tracks.len(), |i, frame| {
-            share::by_bodies(rig, frame, &self.posed(tracks, i), spread_m)
-        })
-    }
-
-    /// The share of each one's ellipsoids whose middle lies within another's body, on the mean over the frames.
-    fn inside_others(&self, tracks: &[Track]) -> Vec<f64> {
-        let frames = self.people.iter().map(|body| body.frames.len()).max().unwrap_or(0);
-        let mut all: Vec<Vec<f64>> = vec![Vec::new(); tracks.len()];
-        for frame in 0..frames {
-            let ellipsoids = |body: Posed<'_>| body.ellipsoids();
-            let bodies = self.posed(tracks, frame).into_iter();
-            let bodies: Vec<_> = bodies.map(|body| body.map(ellipsoids)).collect();
-            for (person, own) in bodies.iter().enumerate() {
-                let Some(own) = own else { continue };
-                let others = bodies.iter().enumerate().filter(|(other, _)| *other != person);
-                let others: Vec<&Ellipsoid> =
-                    others.flat_map(|(_, body)| body.iter().flatten()).collect();
-                let is_inside =
-                    |e: &&Ellipsoid| others.iter().any(|other| other.contains(&e.centre));
-                let inside = own.iter().filter(is_inside).count();
-                all[person].push(inside as f64 / own.len().max(1) as f64);
-            }
-        }
-        all.into_iter().map(|shares| mean(shares).unwrap_or(0.0)).collect()
-    }
-
-    /// How well each covers their share.
-    fn overlaps(
-        &self,
-        rig: &Rig,
-        options: &EstimateOptions,
-        shares: &[Vec<FrameObservations>],
-    ) -> Result<Vec<f64>, FitError> {
-        let measure = Measures::choose(self.model, options.measure)?.search;
-        let evidence = Evidence::new(self.model, rig, options.likelihood, measure);
-        let overlap = |(body, frames): (&Estimate, &Vec<FrameObservations>)| {
-            let fits: Vec<_> = body.frames.iter().cloned().map(Some).collect();
-            sampled_iou(&evidence, frames, &body.shape, &fits).unwrap_or(0.0)
-        };
-        Ok(self.people.iter().zip(shares).map(overlap).collect())
-    }
 }
 
 /// The shares of everybody in all frames, person by person.

@@ -7,7 +7,7 @@ use crate::body::{PartId, Posed};
 use crate::camera::{Camera, CameraId, Rig};
 use crate::image::Plane;
 use crate::likelihood::BodyOutline;
-use crate::math::stats::median;
+use crate::math::stats::{mean, median};
 use crate::silhouette::{ContourPoint, FrameObservations, Silhouette};
 
 /// ν of Student's t, of how far borders lie from an outline: bodies that are fitted coarsely, and clothes.
@@ -110,6 +110,19 @@ pub(super) fn spread_m(
     frame: &FrameObservations,
     bodies: &[Option<Posed<'_>>],
 ) -> Option<f64> {
+    median(&mut misses_m(rig, frame, bodies)).map(|median| SD_OF_MEDIAN * median)
+}
+
+/// How far border points lie from the nearest of all outlines, the mean over a frame's views, metres; `None` without any.
+pub(super) fn miss_m(
+    rig: &Rig,
+    frame: &FrameObservations,
+    bodies: &[Option<Posed<'_>>],
+) -> Option<f64> {
+    mean(misses_m(rig, frame, bodies))
+}
+
+fn misses_m(rig: &Rig, frame: &FrameObservations, bodies: &[Option<Posed<'_>>]) -> Vec<f64> {
     let of_view = |(id, silhouette): &(CameraId, Silhouette)| {
         let outlines = Outlines::new(&rig.cameras[id.0], bodies);
         let least = move |point: &ContourPoint| {
@@ -118,8 +131,7 @@ pub(super) fn spread_m(
         };
         silhouette.contour.iter().step_by(SPARSE).filter_map(least).collect::<Vec<f64>>()
     };
-    let mut all: Vec<f64> = frame.views.iter().flat_map(of_view).collect();
-    median(&mut all).map(|median| SD_OF_MEDIAN * median)
+    frame.views.iter().flat_map(of_view).collect()
 }
 
 /// The bodies that were fitted to the people of a frame, as one camera shows them.

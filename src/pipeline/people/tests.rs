@@ -7,6 +7,7 @@ use crate::image::Mask;
 #[cfg(test)]
 use crate::io::model;
 use crate::pipeline::NoProgress;
+use crate::pipeline::diagnosis::figures::{Figures, joined};
 use crate::silhouette::{FrameIndex, SilhouetteOptions, extract};
 use crate::synth::Ring;
 
@@ -38,4 +39,29 @@ fn to_what_is_much_smaller_than_a_person_no_body_is_fitted_and_it_is_told_which_
     let options = EstimateOptions::default();
     let nobody = Bodies::fitted(&body, &rig, 25.0, &options, &shares, &NoProgress);
     assert_eq!(nobody.err(), Some(0));
+}
+
+/// Whether the bodies of who is taken for several people lie nearer to the borders than that of one: two who stand at these places.
+fn are_several(places: [[f64; 2]; 2]) -> bool {
+    let figures = Figures::new();
+    let [first, second] = places.map(|[x, y]| figures.masks(&figures.standing(x, y)));
+    let masks = joined(&first, &second);
+    let frames = |masks: &[Mask]| (0..3).map(|i| figures.frame(i, masks)).collect::<Vec<_>>();
+    let (all, shares) = (frames(&masks), [frames(&first), frames(&second)]);
+    let track = || {
+        let standing = |i| (i, Standing { place: Point3::origin(), height_m: 1.7, voxels: vec![] });
+        Track { frames: (0..3).map(standing).collect() }
+    };
+
+    let (rig, options) = (&figures.rig, EstimateOptions::default());
+    let bodies = Bodies::fitted(&figures.model, rig, 25.0, &options, &shares, &NoProgress);
+    let Ok(bodies) = bodies else { panic!("a body of each") };
+    let sequence = Sequence { frames: &all, fps: 25.0 };
+    bodies.miss_less_than_one(rig, sequence, &[track(), track()], &options, &NoProgress)
+}
+
+#[test]
+fn two_people_are_several_and_two_bodies_of_one_person_are_not() {
+    assert!(are_several([[0.0, -0.4], [0.1, 0.4]]));
+    assert!(!are_several([[0.0, 0.1], [0.0, 0.1]]));
 }
