@@ -1,13 +1,13 @@
 //! What of the cameras is unknown, and how far they may be off.
 //!
 //! Most cameras are where their calibration says, within a usual one's errors; some were touched, by more than those errors tell.
-//! That is Student's t of one degree of freedom, for the turn and displacement of a camera together, for its focal length and for its clock,
+//! That is Student's t of one degree of freedom, for the turn and displacement of a camera together, and for its clock,
 //!
 //! −log p = ½(1 + d) ln(1 + z²),  z² = Σ (x/σ)² over d components,
 //!
 //! whose weight (1 + d)/(1 + z²) leaves a touched camera free. So the cameras that are well hold the world and its time; what is
-//! common to all of them is left to this prior. σ (E): 0.1° and 3 mm along each axis, 0.2 % of the focal length; of a clock, which was set to the nearest frame,
-//! the interval of frames over √12.
+//! common to all of them is left to this prior. σ (E): 0.1° and 3 mm along each axis; of a clock, which was set to the nearest frame,
+//! the interval of frames over √12. Focal lengths have a prior of their own ([`lens_prior`]).
 //!
 //! Of cameras that were placed by detections σ is so wide that it says next to nothing. Then nothing would hold the world itself, and a smaller one has
 //! smaller residuals: so what all cameras have in common ([`RigMotion`]) is normal, with a usual calibration's σ.
@@ -25,6 +25,7 @@ use nalgebra::{DVectorView, Matrix3, SVector, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::camera_offset::{AHEAD, COMPONENTS, CameraOffset, ZOOM};
+use super::lens_prior;
 use super::rig_motion::{HeldWorld, RigMotion};
 use super::sequence_state::SequenceState;
 use crate::camera::{Camera, Rig};
@@ -44,8 +45,6 @@ pub struct Free {
 pub const TURN_SD: f64 = 0.1 * std::f64::consts::PI / 180.0;
 /// σ of a displacement along one axis, metres.
 pub const DISPLACEMENT_SD_M: f64 = 0.003;
-/// σ of a focal length, as a share of it.
-pub const ZOOM_SD: f64 = 0.002;
 /// Lines of sight at a larger angle than this cross, so that one says where along the other a body stands.
 const ACROSS_RAD: f64 = 0.35;
 
@@ -284,19 +283,18 @@ impl Unknown {
     }
 
     fn cost(&self, offset: &CameraOffset) -> f64 {
-        let (pose, zoom, ahead) = self.squares(offset);
+        let (pose, ahead) = self.squares(offset);
         let student = |is_free: bool, d: f64, square: f64| match is_free {
             true => 0.5 * (1.0 + d) * square.ln_1p(),
             false => 0.0,
         };
         let is_own = self.free.pose && !self.has_pose_of_another;
-        student(is_own, 6.0, pose)
-            + student(is_own, 1.0, zoom)
-            + student(self.free.clock, 1.0, ahead)
+        let of_lens = if is_own { lens_prior::cost(self.log_zoom(offset)) } else { 0.0 };
+        student(is_own, 6.0, pose) + of_lens + student(self.free.clock, 1.0, ahead)
     }
 
     fn linearize(&self, offset: &CameraOffset, first: usize, equations: &mut NormalEquations) {
-        let (pose, zoom, ahead) = self.squares(offset);
+        let (pose, ahead) = self.squares(offset);
         let held = |is_free: bool| if is_free { 0.0 } else { 1.0 };
 
         let clock = first + self.rows.clock;
@@ -309,9 +307,9 @@ impl Unknown {
         }
 
         let zoom_row = first + self.rows.pose + ZOOM;
-        let weight = if self.free.pose { 2.0 / (1.0 + zoom) } else { 0.0 };
-        let of_zoom = weight / ZOOM_SD.powi(2);
-        equations.gradient[zoom_row] += of_zoom * (self.zoomed + offset.log_zoom);
+        let zoom = self.log_zoom(offset);
+        let of_zoom = if self.free.pose { lens_prior::weight(zoom) } else { 0.0 };
+        equations.gradient[zoom_row] += of_zoom * zoom;
         equations.hessian[(zoom_row, zoom_row)] += of_zoom + held(self.free.pose);
 
         let turn = offset.turn.scaled_axis();
@@ -333,13 +331,17 @@ impl Unknown {
         places += one * (of_place + held(self.free.pose));
     }
 
-    /// z² of turn and displacement, of the focal length, and of the clock.
-    fn squares(&self, offset: &CameraOffset) -> (f64, f64, f64) {
+    /// ζ against the calibrated lens.
+    fn log_zoom(&self, offset: &CameraOffset) -> f64 {
+        self.zoomed + offset.log_zoom
+    }
+
+    /// z² of turn and displacement, and of the clock.
+    fn squares(&self, offset: &CameraOffset) -> (f64, f64) {
         let (of_turn, of_place) = self.weights();
         let turn = offset.turn.scaled_axis().norm_squared() * of_turn;
         let place = offset.displacement_m.norm_squared() * of_place;
-        let zoom = ((self.zoomed + offset.log_zoom) / ZOOM_SD).powi(2);
-        (turn + place, zoom, (offset.ahead_s / self.ahead_sd_s).powi(2))
+        (turn + place, (offset.ahead_s / self.ahead_sd_s).powi(2))
     }
 }
 

@@ -32,6 +32,7 @@ pub mod joint;
 pub mod joints;
 mod journal;
 mod keyframe;
+pub mod lens_prior;
 mod look_sum;
 mod looks;
 pub mod motion_prior;

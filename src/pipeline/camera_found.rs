@@ -5,8 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::body::{Layout, Motion};
 use crate::inference::camera_offset::{AHEAD, COMPONENTS, CameraOffset, ZOOM};
-use crate::inference::camera_prior::{DISPLACEMENT_SD_M, Free, TURN_SD, ZOOM_SD};
+use crate::inference::camera_prior::{DISPLACEMENT_SD_M, Free, TURN_SD};
 use crate::inference::instant::Instant;
+use crate::inference::lens_prior::ZOOM_SD;
 
 /// By how much a camera was found to be off; what was not estimated is not there.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]

@@ -10,8 +10,9 @@ use super::{EstimateOptions, Progress};
 use crate::body::{BodyModel, Root};
 use crate::camera::{Camera, CameraId, Rig};
 use crate::inference::camera_offset::CameraOffset;
-use crate::inference::camera_prior::{CameraPrior, Free, ZOOM_SD};
+use crate::inference::camera_prior::{CameraPrior, Free};
 use crate::inference::joint::{JointOptimum, JointOptions, joint_optimum_from_terms};
+use crate::inference::lens_prior::ZOOM_SD;
 use crate::inference::{Evidence, Sequence, SequenceState};
 use crate::likelihood::Measure;
 

@@ -3,11 +3,11 @@
 //! c holds the turn, the displacement and the focal length ζ of every camera against its calibration, seven numbers each. Recording r ended at ĉ_r with the
 //! covariance Σ_r ([`CameraCovariances::poses`](super::CameraCovariances::poses)), both of data and prior together:
 //!
-//! E_r(c) + ρ(c),  E_r the data's part with body, motions and clocks left free, ρ = Σ ½(1 + 6) ln(1 + z²) + ln(1 + z_ζ²) Student's priors of a
-//! camera ([`camera_prior`](crate::inference::camera_prior)), z² = ‖ω‖²/σ_ω² + ‖t‖²/σ_t², z_ζ = ζ/σ_ζ.
+//! E_r(c) + ρ(c),  E_r the data's part with body, motions and clocks left free, ρ = Σ ½(1 + 6) ln(1 + z²) − ln p(ζ) the priors of a
+//! camera ([`camera_prior`](crate::inference::camera_prior), [`lens_prior`]), z² = ‖ω‖²/σ_ω² + ‖t‖²/σ_t².
 //!
 //! The prior belongs to the rig and not to a recording: it is to be counted once. Its Gauss–Newton matrix at c is W(c), diagonal, with
-//! 7/(1 + z²)/σ² of each component, 2/(1 + z_ζ²)/σ_ζ² of ζ, and its gradient W(c)c. So the data's own matrix is L_r = Σ_r⁻¹ − W(ĉ_r), and because ĉ_r is an
+//! 7/(1 + z²)/σ² of each component, the weight of p at ζ, and its gradient W(c)c. So the data's own matrix is L_r = Σ_r⁻¹ − W(ĉ_r), and because ĉ_r is an
 //! optimum, their gradient there is −W(ĉ_r)ĉ_r:
 //!
 //! ∇E_r(c) = L_r(c − ĉ_r) − W(ĉ_r)ĉ_r.
@@ -16,7 +16,7 @@
 //!
 //! (Σ L_r + W(c)) c = Σ (L_r + W(ĉ_r)) ĉ_r,
 //!
-//! which is solved by turns with W(c). One recording gives ĉ_r back. The covariance is (Σ L_r + W(c))⁻¹. A camera that was held
+//! which is solved by turns with W(c), from the mean of all ĉ_r on. One recording gives ĉ_r back. The covariance is (Σ L_r + W(c))⁻¹. A camera that was held
 //! in a recording is told nothing of by it. Where rounding makes L_r indefinite, its negative eigenvalues are taken for 0.
 //!
 //! # What the motion determines
@@ -35,7 +35,8 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::camera_covariance::POSE;
 use crate::inference::camera_offset::ZOOM;
-use crate::inference::camera_prior::{DISPLACEMENT_SD_M, TURN_SD, ZOOM_SD};
+use crate::inference::camera_prior::{DISPLACEMENT_SD_M, TURN_SD};
+use crate::inference::lens_prior::{self, ZOOM_SD};
 
 /// What a recording says of the cameras whose poses it estimated.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,7 +88,7 @@ pub fn rig_estimate(cameras: usize, recordings: &[RigEvidence]) -> Result<RigEst
     }
 
     // c and the prior's weights at it, by turns
-    let mut found = DVector::zeros(n);
+    let mut found = mean_found(cameras, recordings);
     for _ in 0..MOST_STEPS {
         let next = solve(&data, &prior(&found), &right).ok_or(Singular(0))?;
         let change = (&next - &found).amax();
@@ -107,6 +108,19 @@ pub fn rig_estimate(cameras: usize, recordings: &[RigEvidence]) -> Result<RigEst
     let determined = (0..cameras).map(determined).collect();
     let disagreeing = disagreeing(recordings, &found, &covariance);
     Ok(RigEstimate { determined, disagreeing, found, covariance })
+}
+
+/// The mean of what the recordings found of each camera, 0 of those that none estimated.
+fn mean_found(cameras: usize, recordings: &[RigEvidence]) -> DVector<f64> {
+    let (mut sum, mut count) = (DVector::zeros(POSE * cameras), vec![0.0; cameras]);
+    for recording in recordings {
+        for (i, camera) in recording.cameras.iter().enumerate() {
+            let mut own = sum.rows_mut(POSE * camera, POSE);
+            own += recording.found.rows(POSE * i, POSE);
+            count[*camera] += 1.0;
+        }
+    }
+    DVector::from_fn(sum.len(), |k, _| sum[k] / f64::max(count[k / POSE], 1.0))
 }
 
 /// Adds L_r and (L_r + W)ĉ_r; `None` where Σ_r has no inverse.
@@ -149,8 +163,7 @@ fn prior(found: &DVector<f64>) -> DVector<f64> {
         let weight = (1.0 + ZOOM as f64) / (1.0 + square);
         weights.rows_mut(first, 3).fill(weight / TURN_SD.powi(2));
         weights.rows_mut(first + 3, 3).fill(weight / DISPLACEMENT_SD_M.powi(2));
-        let zoom = (found[first + ZOOM] / ZOOM_SD).powi(2);
-        weights[first + ZOOM] = 2.0 / (1.0 + zoom) / ZOOM_SD.powi(2);
+        weights[first + ZOOM] = lens_prior::weight(found[first + ZOOM]);
     }
     weights
 }
