@@ -18,7 +18,7 @@ pub(super) fn sums(scores: &[(usize, f64)]) -> (f64, f64) {
 }
 
 /// 1 + 2 Σₖ ρ(k) of clusters about their means, each in the order of frames, over the k up to where ρ first falls below 0.05.
-pub(super) fn in_a_row<'a>(clusters: impl Iterator<Item = &'a [(usize, f64)]>) -> f64 {
+pub fn in_a_row<'a>(clusters: impl Iterator<Item = &'a [(usize, f64)]>) -> f64 {
     const FRAMES: usize = 200;
     /// A cluster that varies by less than this share of its square does not.
     const CONSTANT: f64 = 1e-12;

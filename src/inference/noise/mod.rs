@@ -41,7 +41,8 @@ mod lasting;
 use std::collections::BTreeMap;
 
 pub use keypoint_noise::KeypointNoise;
-use lasting::{in_a_row, one};
+pub use lasting::in_a_row;
+use lasting::one;
 
 use super::Kind;
 use crate::likelihood::{Place, PlacedResidual, Source};

@@ -6,7 +6,8 @@
 //! Where frames come twice, n falls.
 //!
 //! More numbers always cost less. A change is one that explains what the camera shows if Schwarz's criterion prefers it: of N frames that cost
-//! C₀ with one n and one R, and C with a change of k numbers more, N ln(C₀/C) > k ln N; k = 4 of a touch, R and the frame, and 2 of lost frames.
+//! C₀ with one n and one R, and C with a change of k numbers more, N ln(C₀/C) > k ln N; k = 3 of a touch, the frame and the two numbers of R, and 2 of lost frames. What
+//! masks lack, they lack in many frames in a row: frames that are worth one count once in N ([`in_a_row`]), by what they cost on either side of the change.
 //!
 //! What the others cost is added. So all changes of all cameras are compared by what all that is shown costs: without the camera that changed the
 //! others agree, without another they do not.
@@ -26,6 +27,7 @@ use crate::camera::CameraId;
 use crate::inference::Look;
 use crate::inference::camera_offset::CameraOffset;
 use crate::inference::camera_prior::TURN_SD;
+use crate::inference::noise::in_a_row;
 use crate::pipeline::joint_stage::turn_towards;
 use crate::silhouette::FrameIndex;
 
@@ -49,6 +51,8 @@ pub(super) struct Change {
     pub(super) what: What,
     /// What all cameras show costs with it, beside the body that the others show.
     pub(super) cost: f64,
+    /// As many frames without lasting errors as those of the camera are worth.
+    frames: f64,
 }
 
 /// What changed.
@@ -77,10 +81,19 @@ impl Change {
         // one that explains nothing is none
         let both = lost.into_iter().chain(touched);
         let unchanged = shown.unchanged([split.before, split.behind].map(whole_frames));
-        let both = both.filter(|change| unchanged.is_none_or(|cost| shown.explains(change, cost)));
+        let both = both.filter(|change| unchanged.is_none_or(|cost| change.explains(cost)));
 
         let others: f64 = moments.costs(|id| id != jump.camera).iter().sum();
         both.map(|change| Self { cost: change.cost + others, ..change }).collect()
+    }
+
+    /// Whether it explains more of what the camera shows than its numbers would by chance.
+    fn explains(&self, unchanged: f64) -> bool {
+        let numbers = match self.what {
+            What::Frames(_) => 2.0,
+            What::Turn(_) => 3.0,
+        };
+        self.frames * (unchanged / self.cost).ln() > numbers * self.frames.ln()
     }
 }
 
@@ -135,16 +148,6 @@ impl<'m> Shown<'m> {
         ahead.into_iter().filter_map(cost).reduce(f64::min)
     }
 
-    /// Whether a change explains more of what the camera shows than its numbers would by chance.
-    fn explains(&self, change: &Change, unchanged: f64) -> bool {
-        let numbers = match change.what {
-            What::Frames(_) => 2.0,
-            What::Turn(_) => 4.0,
-        };
-        let frames = self.frames.len() as f64;
-        frames * (unchanged / change.cost).ln() > numbers * frames.ln()
-    }
-
     /// n where it changes, by what the frames cost with each; `None` if it does not.
     fn lost(&self, by_frames: &[Sums], split: Split) -> Option<Change> {
         if split.before == split.behind {
@@ -156,17 +159,13 @@ impl<'m> Shown<'m> {
         let [before, behind] = [split.before, split.behind].map(whole_frames);
         let sides = [(0..first, before), (first..end, behind)];
         let still = self.turn(&sides, UnitQuaternion::identity())?;
-        let cost = |(side, ahead): &(Range<usize>, isize)| {
-            let costs = self.costs(side.clone(), *ahead, still);
-            Sums::new(&costs).of(0..costs.len())
-        };
-        let cost = sides.iter().map(cost).sum::<Option<f64>>()?;
+        let costs = sides.map(|(side, ahead)| self.costs(side, ahead, still));
 
         // it may change elsewhere, too: the frames near it tell by how much
         let near = [first.saturating_sub(NEAR)..first, first..end.min(first + NEAR)];
         let near = near.map(|side| least(by_frames, side).map(|(i, _)| whole_frames(i)));
         let frames = near[1].unwrap_or(behind) - near[0].unwrap_or(before);
-        (frames != 0).then(|| self.change(first, What::Frames(frames), cost))
+        (frames != 0).then(|| self.change(What::Frames(frames), costs)).flatten()
     }
 
     /// R where it changes, with the same n in all frames; `None` if it changes by less than a calibration errs.
@@ -179,18 +178,35 @@ impl<'m> Shown<'m> {
             let turn = self.turn(&[(first..end, ahead)], still)?;
             let sums = |turn| [Sums::new(&self.costs(0..end, ahead, turn))];
             let split = Split::best(&sums(still), &sums(turn))?;
-            found = Some((split, still.angle_to(&turn)));
+            found = Some((split, still, turn));
             if split.first_behind == first {
                 break;
             }
             first = split.first_behind;
         }
-        let (split, turn_rad) = found.filter(|(_, turn_rad)| *turn_rad >= TURN_SD)?;
-        Some(self.change(split.first_behind, What::Turn(turn_rad), split.cost))
+        let (Split { first_behind, .. }, still, turn) = found?;
+        let costs = [(0..first_behind, still), (first_behind..end, turn)];
+        let costs = costs.map(|(side, turn)| self.costs(side, ahead, turn));
+        let turn_rad = still.angle_to(&turn);
+        (turn_rad >= TURN_SD).then(|| self.change(What::Turn(turn_rad), costs)).flatten()
     }
 
-    fn change(&self, first: usize, what: What, cost: f64) -> Change {
-        Change { camera: self.camera, frame: self.frames[first].frame, what, cost }
+    /// A change, by what the frames before it and behind it cost with it; `None` of too few frames.
+    fn change(&self, what: What, costs: [Vec<Option<f64>>; 2]) -> Option<Change> {
+        let sums = costs.each_ref().map(|side| Sums::new(side).of(0..side.len()));
+        let first = costs[0].len();
+        let known = |(i, cost): (usize, &Option<f64>)| Some((self.frames[i].frame.0, (*cost)?));
+        let [before, behind] = &costs;
+        let before: Vec<_> = before.iter().enumerate().filter_map(known).collect();
+        let behind: Vec<_> = (first..).zip(behind).filter_map(known).collect();
+        let lasting = in_a_row([before.as_slice(), behind.as_slice()].into_iter());
+        Some(Change {
+            camera: self.camera,
+            frame: self.frames.get(first)?.frame,
+            what,
+            cost: sums[0]? + sums[1]?,
+            frames: self.frames.len() as f64 / lasting,
+        })
     }
 
     /// The body of n frames later before the camera turned by R.

@@ -6,7 +6,7 @@
 //!
 //! The median of steps tells their standard deviation σ: for lengths of two components it is σ √(2 ln 2), for one component 0.6745 σ. The larger
 //! counts, that of all cameras or of one, apart from its largest step. Of 550 steps of a walk the largest is five σ. A step may be a jump if it is
-//! larger than that, and larger than what is usual: what a calibration errs by, √((σ_turn z)² + σ_place²), and half a frame.
+//! larger than that, and larger than what is usual: what a calibration errs by, √((σ_turn z)² + σ_place²), and .4 of a frame.
 
 use nalgebra::Vector3;
 
@@ -22,8 +22,8 @@ pub(super) const SIDE: usize = 5;
 const MOST_APART: usize = 3;
 /// A jump is so many standard deviations large.
 const SURE: f64 = 5.0;
-/// What no clock errs by from one frame to the next.
-const LEAST_FRAMES: f64 = 0.5;
+/// What no clock errs by from one frame to the next: a frame, but for what the body yields to it.
+const LEAST_FRAMES: f64 = 0.4;
 /// The median of a length whose two components have the standard deviation 1, √(2 ln 2), …
 const MEDIAN_OF_TWO: f64 = 1.177_410_022_515_474_7;
 /// … and that of the size of one component.
