@@ -167,7 +167,7 @@ class Fit:
             By ``camera``: ``frames`` in which it sees the person, mean overlap ``iou``, ``median`` distance of outlines
             (px); ``turn_x`` … ``turn_z`` (deg) about its own centre and ``displacement_x`` … ``displacement_z`` (m),
             world axes, and ``zoom``, its focal length over the calibrated one, each with its ``_sd``; by how much its
-            pictures are ``ahead`` of the recording's time (s), and ``ahead_sd``. What was not estimated is not a number.
+            pictures are ``ahead`` of the recording's time (s), and ``ahead_sd``. What was not estimated is NaN.
             ``attrs["units"]`` has the units.
         """
         return _camera_table.of_fit(self.result)
