@@ -340,4 +340,14 @@ mod tests {
         beyond[9] = None;
         assert!(Split::best(&choices, &[Sums::new(&beyond)]).is_none());
     }
+
+    #[test]
+    fn a_change_must_explain_more_the_fewer_frames_tell_and_the_more_numbers_it_has() {
+        let explains = |what: What, frames: f64| {
+            let (camera, frame) = (CameraId(0), FrameIndex(17));
+            Change { camera, frame, what, cost: 1.0, frames }.explains(1.13)
+        };
+        assert!(explains(What::Frames(-2), 100.0) && !explains(What::Frames(-2), 12.0));
+        assert!(!explains(What::Turn(0.01), 100.0) && explains(What::Turn(0.01), 200.0));
+    }
 }
