@@ -1,7 +1,7 @@
 //! Bodies that are fitted coarsely to people, and what they say of who is nobody.
 //!
 //! A camera that is late carves the trunk out of what the masks leave, and two legs remain: two who fill different room, and cover their
-//! shares. But one body lies nearer to the borders than both of theirs.
+//! shares. But one body covers all of the masks, and the borders lie nearer to it than to both of theirs.
 
 use rayon::prelude::*;
 
@@ -93,19 +93,24 @@ impl<'a> Bodies<'a> {
         Ok(nobody.min_by(|a, b| seen(a).total_cmp(&seen(b))))
     }
 
-    /// Whether the borders lie much nearer to these bodies than to one that is fitted to all of the masks.
-    pub(super) fn miss_less_than_one(
+    /// Whether these bodies explain the masks better than one that is fitted to all of them: it covers them less than a fit must, or the
+    /// borders lie much nearer to these.
+    pub(super) fn explain_more_than_one(
         &self,
         rig: &Rig,
         sequence: Sequence<'_>,
         tracks: &[Track],
         options: &EstimateOptions,
         progress: &dyn Progress,
-    ) -> bool {
+    ) -> Result<bool, FitError> {
         let whole = [sequence.frames.to_vec()];
         let Ok(one) = Self::fitted(self.model, rig, sequence.fps, options, &whole, progress) else {
-            return true;
+            return Ok(true);
         };
+        if one.overlaps(rig, options, &whole)?.iter().any(|overlap| *overlap < LEAST_OVERLAP) {
+            return Ok(true);
+        }
+
         let together = |i: &usize| tracks.iter().filter(|t| t.frames.contains_key(i)).count() > 1;
         let frames: Vec<usize> = (0..sequence.frames.len()).filter(together).collect();
         let several = |i: &usize| share::miss_m(rig, &sequence.frames[*i], &self.posed(tracks, *i));
@@ -116,7 +121,7 @@ impl<'a> Bodies<'a> {
         };
         let several = mean(frames.par_iter().filter_map(several).collect::<Vec<f64>>());
         let alone = mean(frames.par_iter().filter_map(alone).collect::<Vec<f64>>());
-        several.zip(alone).is_none_or(|(several, alone)| several < MUCH_NEARER * alone)
+        Ok(several.zip(alone).is_none_or(|(several, alone)| several < MUCH_NEARER * alone))
     }
 
     /// The share of each one's ellipsoids whose middle lies within another's body, on the mean over the frames.

@@ -17,7 +17,7 @@
 //!    than [`LEAST_SHARE`] of the frames is nobody. Where two who were apart before and after have one peak, each voxel is the nearer's.
 //! 3. Each one's share of the masks is what only their voxels show; to it a body is fitted, by Algorithm 1 with few keyframes.
 //! 4. These bodies give r; σ is 1.48 times the median of min_p |d_p|. To whom no body can be fitted, whose body covers their share less than a fit must, or lies within another's
-//!    body, is nobody: a thing, or a leg far ahead of its trunk. The others are fitted anew. Nobody is several to whose borders one body lies as near (`bodies.rs`).
+//!    body, is nobody: a thing, or a leg far ahead of its trunk. The others are fitted anew. Nobody is several whom one body explains as well (`bodies.rs`).
 //!
 //! Masks with a value for each person need none of this: a value is a person in all cameras ([`by_labels`]).
 //!
@@ -105,7 +105,7 @@ pub fn people(
         let shares = bodies.shares(rig, sequence, &tracks);
         match bodies.nobody(rig, options, &shares, &tracks)? {
             Some(nobody) => remove(nobody, &room, &mut tracks),
-            None if bodies.miss_less_than_one(rig, sequence, &tracks, options, progress) => {
+            None if bodies.explain_more_than_one(rig, sequence, &tracks, options, progress)? => {
                 return Ok(measured_first(&tracks, shares));
             }
             None => break,

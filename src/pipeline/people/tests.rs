@@ -41,7 +41,7 @@ fn to_what_is_much_smaller_than_a_person_no_body_is_fitted_and_it_is_told_which_
     assert_eq!(nobody.err(), Some(0));
 }
 
-/// Whether the bodies of who is taken for several people lie nearer to the borders than that of one: two who stand at these places.
+/// Whether the bodies of who is taken for several people explain the masks better than one: two who stand at these places.
 fn are_several(places: [[f64; 2]; 2]) -> bool {
     let figures = Figures::new();
     let [first, second] = places.map(|[x, y]| figures.masks(&figures.standing(x, y)));
@@ -57,7 +57,9 @@ fn are_several(places: [[f64; 2]; 2]) -> bool {
     let bodies = Bodies::fitted(&figures.model, rig, 25.0, &options, &shares, &NoProgress);
     let Ok(bodies) = bodies else { panic!("a body of each") };
     let sequence = Sequence { frames: &all, fps: 25.0 };
-    bodies.miss_less_than_one(rig, sequence, &[track(), track()], &options, &NoProgress)
+    let several =
+        bodies.explain_more_than_one(rig, sequence, &[track(), track()], &options, &NoProgress);
+    several.expect("bodies that can be compared")
 }
 
 #[test]
