@@ -163,8 +163,8 @@ impl Summary<'_> {
             format!("{:.1}{} mm", 1e3 * way_m, sd(way_sd_m.map(|sd_m| 1e3 * sd_m), 1))
         });
         let zoomed = found.pose.map(|pose| {
-            let sd = sd(pose.zoom_sd.map(|sd| 100.0 * sd), 2);
-            format!("{:+.2}{sd} %", 100.0 * (pose.zoom - 1.0))
+            let (longer, longer_sd) = pose.longer();
+            format!("{:+.2}{} %", 100.0 * longer, sd(longer_sd.map(|sd| 100.0 * sd), 2))
         });
         let late = found.clock.map(|clock| {
             let (late, late_sd) = clock.late_frames(fps);

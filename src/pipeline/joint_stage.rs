@@ -81,9 +81,7 @@ impl JointStage<'_> {
         let mut optimum =
             joint_optimum_from_terms(&evidence, &terms, &seconds, start, joint, &step);
         self.progress.end();
-        for (camera, zoom) in optimum.cameras.iter_mut().zip(zooms) {
-            camera.log_zoom += zoom;
-        }
+        count_from_calibrated(&mut optimum, zooms);
         let covariances = CameraCovariances::new(&prior, &optimum);
         let optimum = optimum.of_first(model.coefficients.len());
         Joined { optimum, prior, covariances }
@@ -147,6 +145,13 @@ impl JointStage<'_> {
 /// The cameras with other focal lengths, by ζ.
 pub(super) fn zoomed(rig: &Rig, zooms: &[f64]) -> Rig {
     CameraOffset::applied(rig, zooms.iter().map(|zoom| CameraOffset::zoomed(*zoom)))
+}
+
+/// Counts ζ from the calibrated lenses, of an optimum before cameras with these ζ.
+pub(super) fn count_from_calibrated(optimum: &mut JointOptimum, zooms: &[f64]) {
+    for (camera, zoom) in optimum.cameras.iter_mut().zip(zooms) {
+        camera.log_zoom += zoom;
+    }
 }
 
 /// The shortest turn of a camera about its centre that brings what it shows, at pixels, to places in the world, on the mean.

@@ -53,10 +53,8 @@ impl CameraFaults {
 
     /// Whether all of them are what the joint optimum finds better: cameras that are late, elsewhere or zoomed.
     pub(in crate::pipeline) fn are_of_unknowns(&self) -> bool {
-        let is_such = |fault: &CameraFault| {
-            let of_place = matches!(fault, CameraFault::Late(..) | CameraFault::Elsewhere { .. });
-            of_place || fault.is_of_lens()
-        };
+        use CameraFault::{Elsewhere, Late};
+        let is_such = |f: &CameraFault| f.is_of_lens() || matches!(f, Late(..) | Elsewhere { .. });
         self.faults.iter().all(is_such)
     }
 

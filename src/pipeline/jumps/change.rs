@@ -87,7 +87,7 @@ impl Change {
         both.map(|change| Self { cost: change.cost + others, ..change }).collect()
     }
 
-    /// Whether it explains more of what the camera shows than its numbers would by chance.
+    /// Whether it explains more of what the camera shows than its numbers would by chance, while it counts what this camera costs alone.
     fn explains(&self, unchanged: f64) -> bool {
         let numbers = match self.what {
             What::Frames(_) => 2.0,

@@ -40,16 +40,17 @@ impl<'a> Bodies<'a> {
         rig: &Rig,
         fps: f64,
         options: &EstimateOptions,
-        shares: &[Vec<FrameObservations>],
+        shares: &[impl AsRef<[FrameObservations]>],
         progress: &dyn Progress,
     ) -> Result<Self, usize> {
-        let body = |frames: &Vec<FrameObservations>| {
+        let body = |frames: &[FrameObservations]| {
             let keyframe_every = Some(frames.len().div_ceil(KEYFRAMES));
             let search = SearchOptions { keyframe_every, ..options.search.clone() };
             let coarse = EstimateOptions { joint: None, search, ..options.clone() };
             estimated(model, rig, Sequence { frames, fps }, &coarse, progress)
         };
-        let people = shares.iter().enumerate().map(|(i, frames)| body(frames).map_err(|_| i));
+        let people = shares.iter().enumerate();
+        let people = people.map(|(i, frames)| body(frames.as_ref()).map_err(|_| i));
         Ok(Self { model, people: people.collect::<Result<_, _>>()? })
     }
 
@@ -103,7 +104,7 @@ impl<'a> Bodies<'a> {
         options: &EstimateOptions,
         progress: &dyn Progress,
     ) -> Result<bool, FitError> {
-        let whole = [sequence.frames.to_vec()];
+        let whole = [sequence.frames];
         let Ok(one) = Self::fitted(self.model, rig, sequence.fps, options, &whole, progress) else {
             return Ok(true);
         };
@@ -151,14 +152,14 @@ impl<'a> Bodies<'a> {
         &self,
         rig: &Rig,
         options: &EstimateOptions,
-        shares: &[Vec<FrameObservations>],
+        shares: &[impl AsRef<[FrameObservations]>],
     ) -> Result<Vec<f64>, FitError> {
         let measure = Measures::choose(self.model, options.measure)?.search;
         let evidence = Evidence::new(self.model, rig, options.likelihood, measure);
-        let overlap = |(body, frames): (&Estimate, &Vec<FrameObservations>)| {
+        let overlap = |(body, frames): (&Estimate, &[FrameObservations])| {
             let fits: Vec<_> = body.frames.iter().cloned().map(Some).collect();
             sampled_iou(&evidence, frames, &body.shape, &fits).unwrap_or(0.0)
         };
-        Ok(self.people.iter().zip(shares).map(overlap).collect())
+        Ok(self.people.iter().zip(shares.iter().map(AsRef::as_ref)).map(overlap).collect())
     }
 }

@@ -34,7 +34,7 @@ use super::camera_covariance::CameraCovariances;
 use super::diagnosis::{CameraFaults, Cause, Cleared};
 use super::estimate::Estimate;
 use super::fit::measures;
-use super::joint_stage::{Joined, JointStage, detected_names, zoomed};
+use super::joint_stage::{Joined, JointStage, count_from_calibrated, detected_names, zoomed};
 use super::judged::Judge;
 use super::jumps::without_jumps;
 use super::measures::Measures;
@@ -227,9 +227,7 @@ impl Session<'_> {
         let mut optimum =
             joint_optimum_from_terms(&evidence, &terms, &seconds, state, &joint, &step);
         progress.end();
-        for (camera, zoom) in optimum.cameras.iter_mut().zip(&zooms) {
-            camera.log_zoom += zoom;
-        }
+        count_from_calibrated(&mut optimum, &zooms);
         let part =
             |(k, frames)| self.part(&optimum, &terms.camera_prior, frames, &shared.cameras[k]);
         frames(self.trials).into_iter().enumerate().map(part).collect()
