@@ -9,7 +9,7 @@ use super::diagnosis::CameraFaults;
 use super::fitted::FittedFrame;
 use super::joint_stage::{Joined, JointStage};
 use super::measures::Measures;
-use super::{EstimateOptions, Progress, points, quality};
+use super::{CameraQuality, EstimateOptions, Progress, points, quality};
 use crate::body::{BodyModel, Layout, Motion, Posed, Shape};
 use crate::camera::{CameraId, Rig};
 use crate::inference::SequenceState;
@@ -27,6 +27,7 @@ use crate::likelihood::Measure;
 use crate::silhouette::FrameObservations;
 
 /// What the last stage of a fit is given.
+#[derive(Clone, Copy)]
 pub(super) struct LastStage<'a> {
     /// The body before the cameras as they are calibrated.
     pub(super) evidence: &'a Evidence<'a>,
@@ -69,6 +70,13 @@ impl LastStage<'_> {
             None => (Estimate::tracked(winner, self.evidence.rig), self.measures.search),
             Some(joint) => self.run_from(&Start::of_winner(self, winner), joint),
         }
+    }
+
+    /// The same, and how well it covers what was seen, frame by frame.
+    pub(super) fn covered(&self, winner: &Trial) -> (Estimate, Vec<FittedFrame>) {
+        let (estimate, measure) = self.run(winner);
+        let frames = estimate.frames(self.evidence.model, self.sequence, self.options, measure);
+        (estimate, frames)
     }
 
     /// The joint optimum, from elsewhere.
@@ -147,6 +155,11 @@ impl Estimate {
         };
 
         sequence.frames.par_iter().zip(&self.frames).enumerate().map(fitted).collect()
+    }
+
+    /// How well it covers what each camera saw; `frames` are its own.
+    pub(super) fn qualities(&self, frames: &[FittedFrame]) -> Vec<CameraQuality> {
+        quality::camera_qualities(&self.rig, frames, &self.cameras)
     }
 
     /// How often the cost of the data that chose between hypotheses counts.

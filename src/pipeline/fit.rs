@@ -144,16 +144,16 @@ fn stages(
     let stage = LastStage { evidence, sequence, measures, options, faults: &faults, progress };
     let winner = &found.trials[found.winner];
     let Settled { estimate, measure, frames, faults, causes: jumps } = Settled::new(&stage, winner);
-    let strayed = Strayed::of(&estimate, rig, &frames);
-    let others = strayed.as_ref().map(|strayed| (&strayed.frames[..], &strayed.faults));
-    let (frames, faults) = others.unwrap_or((&frames, &faults));
-    let sequence = Sequence { frames, ..sequence };
-    let stage = LastStage { sequence, faults, ..stage };
-    let (estimate, measure) =
-        if strayed.is_some() { stage.run(winner) } else { (estimate, measure) };
+    let sequence = Sequence { frames: &frames, ..sequence };
+    let stage = LastStage { sequence, faults: &faults, ..stage };
 
-    // how well the body covers the masks; where it leaves them, the person wears or carries something
+    // how well the body covers the masks, without cameras that fit nowhere; where it leaves the masks, the person wears or carries something
     let frames = estimate.frames(&body, sequence, options, measure);
+    let strayed = Strayed::of(&stage, &estimate, &frames);
+    let stage = strayed.as_ref().map_or(stage, |strayed| strayed.stage(&stage));
+    let LastStage { sequence, faults, .. } = stage;
+    let (estimate, frames) =
+        if strayed.is_some() { stage.covered(winner) } else { (estimate, frames) };
     let (estimate, frames, worn) = match Worn::of(&stage, winner, &estimate, &frames) {
         Some(worn) => (worn.estimate, worn.frames, Some(worn.cause)),
         None => (estimate, frames, None),

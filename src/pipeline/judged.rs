@@ -7,7 +7,6 @@ use super::diagnosis::{
 };
 use super::estimate::Estimate;
 use super::fitted::FittedFrame;
-use super::quality;
 use super::unseen::{self, prior_angles_sd};
 use super::warning::warnings;
 use super::{EstimateOptions, Fit, Warning};
@@ -41,7 +40,7 @@ impl Judge<'_> {
         let Self { coarse, body, sequence, options, faults, left_out } = *self;
         let (model, calibrated) = (coarse.model, coarse.rig);
         let sizes = estimate.shape.first(model.coefficients.len());
-        let cameras = quality::camera_qualities(&estimate.rig, &frames, &estimate.cameras);
+        let cameras = estimate.qualities(&frames);
 
         // what it is worth, and what a person should know of it
         let verdict = Diagnosis {

@@ -50,8 +50,7 @@ impl Worn {
         }
 
         let options = for_worn(stage.options);
-        let (estimate, measure) = LastStage { options: &options, ..*stage }.run(winner);
-        let frames = estimate.frames(model, stage.sequence, &options, measure);
+        let (estimate, frames) = LastStage { options: &options, ..*stage }.covered(winner);
         let left = astray_share(&frames)?;
         let times = |swollen: Option<Swollen>| swollen.map_or(0.0, |swollen| swollen.times);
         let is_better = (left < MOST_ASTRAY || left < 0.5 * share)

@@ -170,6 +170,13 @@ pub enum Cause {
         /// By how much, m.
         miss_m: f64,
     },
+    /// A camera shows pictures again while the person moves. They were left out.
+    Repeated {
+        /// Its name.
+        camera: String,
+        /// How many.
+        pictures: usize,
+    },
     /// Masks hold canes, crutches, a walking frame or poles. They were taken out.
     Rods {
         /// The cameras.
@@ -228,7 +235,8 @@ pub enum Cause {
         /// How many; negative: so many come twice.
         frames: isize,
     },
-    /// The joint optimum put some cameras farther from their calibrated places than anybody moves one. They were left out.
+    /// The joint optimum put some cameras farther from their calibrated places than anybody moves one, or to where the body covers their masks
+    /// much worse than those of the others. They were left out.
     Strayed {
         /// The cameras.
         cameras: Vec<String>,

@@ -13,7 +13,8 @@
 //! | `strangers.rs`   | exchanged and mirrored cameras, before anybody is fitted          |
 //! | `astray.rs`      | a body that lies where the masks show nobody                      |
 //! | `agreeing.rs`    | what the cameras show that agree, for the search                  |
-//! | `cleared.rs`     | what of the masks can be used: without the four below              |
+//! | `cleared.rs`     | what of the masks can be used: without the five below             |
+//! | `repeated.rs`    | pictures that come twice                                          |
 //! | `rods.rs`        | walking aids in the masks                                         |
 //! | `shadows.rs`     | shadows on the floor in the masks                                 |
 //! | `things.rs`      | what never moves while the person walks, taken out of the masks   |
@@ -45,6 +46,7 @@ mod joint_misses;
 mod level;
 mod parts;
 mod proportions;
+mod repeated;
 mod rods;
 mod room;
 mod seen;
@@ -74,7 +76,7 @@ pub(super) use seen::Seen;
 pub(super) use stature::stature_m;
 pub use strangers::strangers;
 pub(super) use swollen::Swollen;
-pub(super) use unusable::{LEAST_OVERLAP, MOST_DISPLACED_M, lost_frames};
+pub(super) use unusable::{LEAST_OVERLAP, LOST_SHARE, MOST_DISPLACED_M, lost_frames};
 pub use upright::HeadAxis;
 pub(super) use verdict::Diagnosis;
 pub use verdict::Verdict;

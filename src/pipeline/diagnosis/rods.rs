@@ -31,8 +31,8 @@ pub(in crate::pipeline) struct WithoutRods<'a> {
 }
 
 impl<'a> WithoutRods<'a> {
-    pub(in crate::pipeline) fn new(rig: &Rig, frames: &'a [FrameObservations]) -> Self {
-        let sampled = shown_by_two(frames, SAMPLED_FRAMES);
+    pub(in crate::pipeline) fn new(rig: &Rig, frames: Cow<'a, [FrameObservations]>) -> Self {
+        let sampled = shown_by_two(&frames, SAMPLED_FRAMES);
         let look = |first: usize| -> Vec<(CameraId, bool)> {
             let every_other = sampled.par_iter().skip(first).step_by(2);
             every_other.flat_map_iter(|i| holding(rig, &frames[*i])).collect()
@@ -45,7 +45,7 @@ impl<'a> WithoutRods<'a> {
         let holding: Vec<CameraId> = looked.iter().filter(|l| l.1).map(|l| l.0).collect();
         let share = holding.len() as f64 / looked.len().max(1) as f64;
         if share <= LEAST_SHARE {
-            return Self { frames: Cow::Borrowed(frames), cause: None };
+            return Self { frames, cause: None };
         }
 
         let cleaned = frames.par_iter().map(|frame| cleaned(rig, frame)).collect();
@@ -186,7 +186,8 @@ mod tests {
         let alone = figures.frame(0, &person);
         let with_frame = figures.frame(0, &joined(&person, &walking_frame(&figures.rig)));
         let observed = [with_frame.clone()];
-        let WithoutRods { frames, cause } = WithoutRods::new(&figures.rig, &observed);
+        let WithoutRods { frames, cause } =
+            WithoutRods::new(&figures.rig, Cow::Borrowed(&observed));
         let Some(Cause::Rods { cameras, share }) = cause else { panic!("{cause:?}") };
         assert_eq!(cameras.len(), figures.rig.cameras.len());
         assert!(share > 0.9, "{share}");
@@ -212,7 +213,7 @@ mod tests {
                 figures.frame(number, &masks)
             })
             .collect();
-        let without = WithoutRods::new(&figures.rig, &frames);
+        let without = WithoutRods::new(&figures.rig, Cow::Borrowed(&frames));
         assert!(without.cause.is_none() && matches!(without.frames, Cow::Borrowed(_)));
     }
 

@@ -182,6 +182,11 @@ impl Cause {
     /// What was left out.
     fn fmt_left_out(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Repeated { camera, pictures } => write!(
+                f,
+                "{camera} shows the picture before once more in {} while the person moves: they were left out; give its video at the frame rate it was recorded with",
+                counted(*pictures, "frame")
+            ),
             Self::Rods { share, .. } => write!(
                 f,
                 "{:.0} % of the masks hold something longer than a hand and thinner than a wrist, as canes, crutches and walking frames are: it was taken out of them",

@@ -20,8 +20,8 @@ pub(super) const LEAST_THIN: f64 = 0.02;
 const MOST_LOST: f64 = 0.33;
 /// Cameras are kicked and bumped by less, metres.
 pub(in crate::pipeline) const MOST_DISPLACED_M: f64 = 1.0;
-/// A frame below this share of the median frame's overlap is lost.
-const LOST_SHARE: f64 = 0.8;
+/// A frame, or a camera, below this share of the median one's overlap is lost.
+pub(in crate::pipeline) const LOST_SHARE: f64 = 0.8;
 /// One whose detections lie farther off than so many times the median frame's, and too far by themselves, is lost too.
 const LOST_OFF: f64 = 3.0;
 /// Above this overlap there is no reason to look for what the masks hold besides.

@@ -80,7 +80,7 @@ pub fn people(
     if most == Some(1) || !sequence.frames.iter().any(may_tell) {
         return Ok(Vec::new());
     }
-    let without_rods = WithoutRods::new(rig, sequence.frames);
+    let without_rods = WithoutRods::new(rig, sequence.frames.into());
     let standing = Sequence { frames: &without_rods.frames, ..sequence };
     let Some(room) = Room::new(rig, standing.frames) else { return Ok(Vec::new()) };
 

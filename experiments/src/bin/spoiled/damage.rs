@@ -95,6 +95,14 @@ fn cameras() -> Vec<Damage> {
         damage("camera 2 loses 3 frames", "has lost 3 frames", |r| {
             late_from(r, 1, -3, r.masks.len() / 2)
         }),
+        damage("camera 2 shows each picture twice", "once more in", |r| {
+            let masks = r.masks.clone();
+            r.with_masks(
+                move |f, c, m| {
+                    if c == 1 { masks[f - f % 2][c].clone() } else { Some(m.clone()) }
+                },
+            )
+        }),
         damage("camera 2 is turned by 1° while it records", "touched while it recorded", |r| {
             touched_while(r, 1, Vector3::y() * 1f64.to_radians())
         }),
@@ -138,6 +146,9 @@ fn masks() -> Vec<Damage> {
             r.with_masks(move |_, c, m| {
                 Some(if c == 1 || c == last { joined(m, &wardrobe(m)) } else { m.clone() })
             })
+        }),
+        damage("a chair in camera 2", "left out", |r| {
+            r.with_masks(|_, c, m| Some(if c == 1 { joined(m, &chair(m)) } else { m.clone() }))
         }),
         damage("a lamp's shadow", "shadows on the floor", |r| darkened(r, cast)),
         damage("the dark around the feet", "shadows on the floor", |r| darkened(r, around_feet)),
@@ -329,6 +340,14 @@ fn wardrobe(mask: &Mask) -> Mask {
     let is_wardrobe =
         |x, y| (w * 5 / 8..w * 29 / 40).contains(&x) && (h / 4..h * 4 / 5).contains(&y);
     Mask::from_fn(w, h, is_wardrobe)
+}
+
+/// A box that stands where people do: a sixth of the picture's width, and a quarter of its height.
+fn chair(mask: &Mask) -> Mask {
+    let (w, h) = (mask.width(), mask.height());
+    let is_chair =
+        |x, y| (w * 17 / 40..w * 23 / 40).contains(&x) && (h * 19 / 30..h * 9 / 10).contains(&y);
+    Mask::from_fn(w, h, is_chair)
 }
 
 /// Two boxes, elsewhere in each camera.
