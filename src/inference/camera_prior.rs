@@ -14,7 +14,9 @@
 //!
 //! # Which cameras
 //! A camera that nothing crosses is held: the depth at which cameras side by side see a person is as uncertain as their turns, so their
-//! calibration must be trusted. The pose of a camera is free if two others look across its line of sight, its clock if one does.
+//! calibration must be trusted. The pose of a camera is free if two others look across its line of sight, its clock if one does
+//! ([`Free::crossed`]). What is surely off is seen without that, from the pictures of [`Free::shown`] cameras: what they show of a person who swings their legs fits at
+//! no depth.
 //!
 //! # Source
 //! Lange, Little, Taylor 1989, *Robust statistical modeling using the t distribution*.
@@ -39,6 +41,36 @@ pub struct Free {
     pub pose: bool,
     /// How far it is ahead.
     pub clock: bool,
+}
+
+impl Free {
+    /// Of what is `allowed`, what the rig can tell of each camera about a body that moves as `state` does.
+    pub fn crossed(rig: &Rig, state: &SequenceState, allowed: Self) -> Vec<Self> {
+        let places = state.motions.iter().map(|motion| motion.position_world);
+        let subject = places.sum::<Vector3<f64>>() / state.motions.len().max(1) as f64;
+        let sights: Vec<Vector3<f64>> =
+            rig.cameras.iter().map(|camera| subject - camera.centre_world().coords).collect();
+        let crosses = |a: &Vector3<f64>, b: &Vector3<f64>| {
+            let angle = a.angle(b);
+            angle.min(std::f64::consts::PI - angle) > ACROSS_RAD
+        };
+        let of_camera = |sight: &Vector3<f64>| {
+            let across = sights.iter().filter(|other| crosses(sight, other)).count();
+            Self { pose: allowed.pose && across >= 2, clock: allowed.clock && across >= 1 }
+        };
+        sights.iter().map(of_camera).collect()
+    }
+
+    /// Of what is `allowed`, what so many cameras can contradict each other about, whether they cross or not.
+    pub fn shown(cameras: usize, allowed: Self) -> Self {
+        Self { pose: allowed.pose && cameras >= 3, clock: allowed.clock && cameras >= 2 }
+    }
+
+    /// What is free in either.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self { pose: self.pose || other.pose, clock: self.clock || other.clock }
+    }
 }
 
 /// σ of a turn about one axis.
@@ -120,24 +152,16 @@ impl CameraPrior {
 
     /// Of what is `allowed`, what the rig can tell about a body that moves as `state` does; frames are `interval_s` apart.
     pub fn new(rig: &Rig, state: &SequenceState, allowed: Free, interval_s: f64) -> Self {
-        let places = state.motions.iter().map(|motion| motion.position_world);
-        let subject = places.sum::<Vector3<f64>>() / state.motions.len().max(1) as f64;
-        let sights: Vec<Vector3<f64>> =
-            rig.cameras.iter().map(|camera| subject - camera.centre_world().coords).collect();
-        let crosses = |a: &Vector3<f64>, b: &Vector3<f64>| {
-            let angle = a.angle(b);
-            angle.min(std::f64::consts::PI - angle) > ACROSS_RAD
-        };
-        let of_camera = |sight: &Vector3<f64>| {
-            let across = sights.iter().filter(|other| crosses(sight, other)).count();
-            Free { pose: allowed.pose && across >= 2, clock: allowed.clock && across >= 1 }
-        };
-        let free: Vec<Free> = sights.iter().map(of_camera).collect();
+        Self::freeing(&Free::crossed(rig, state, allowed), interval_s)
+    }
+
+    /// Of what is free of each camera; frames are `interval_s` apart.
+    pub fn freeing(free: &[Free], interval_s: f64) -> Self {
         if free.iter().all(|free| *free == Free::default()) {
             return Self::trusting();
         }
         let ahead_sd_s = interval_s / 12.0_f64.sqrt();
-        Self::of(free.into_iter().map(|free| (free, ahead_sd_s, None)))
+        Self::of(free.iter().map(|free| (*free, ahead_sd_s, None)))
     }
 
     /// Of several trials, each with the number of its cameras, one after the other. `same(i)` is the camera of an earlier trial that

@@ -79,6 +79,11 @@ impl CameraFound {
         Self { pose: free.pose.then_some(pose), clock: free.clock.then_some(clock) }
     }
 
+    /// What was an unknown of the fit.
+    pub(super) fn free(&self) -> Free {
+        Free { pose: self.pose.is_some_and(|pose| pose.used), clock: self.clock.is_some() }
+    }
+
     /// The camera's offset; none of what was not estimated, or not used.
     pub fn offset(&self) -> CameraOffset {
         let none = CameraOffset::none();

@@ -1,17 +1,22 @@
 //! The joint optimum, and where and when the cameras are.
+//!
+//! Cameras that nothing crosses are held at their calibration and clock: freed, they would leave open how far away the person is, and of right
+//! calibrations joints would be found the worse. But they are not believed blindly. First the optimum before thinned borders is sought with all of them unknown. If that says
+//! that some pose is surely off, poses are unknown; if some clock is, clocks are.
 
 use std::collections::BTreeSet;
 
 use nalgebra::{Point2, Point3, UnitQuaternion, Vector3};
 
 use super::camera_covariance::CameraCovariances;
+use super::camera_found::{CameraFound, PoseFound};
 use super::diagnosis::CameraFaults;
 use super::{EstimateOptions, Progress};
 use crate::body::{BodyModel, Root};
 use crate::camera::{Camera, CameraId, Rig};
 use crate::inference::camera_offset::CameraOffset;
 use crate::inference::camera_prior::{CameraPrior, Free};
-use crate::inference::joint::{JointOptimum, JointOptions, joint_optimum_from_terms};
+use crate::inference::joint::{JointOptimum, JointOptions, Rounds, joint_optimum_from_terms};
 use crate::inference::lens_prior::ZOOM_SD;
 use crate::inference::{Evidence, Sequence, SequenceState};
 use crate::likelihood::Measure;
@@ -47,11 +52,45 @@ pub(super) struct Joined {
 impl JointStage<'_> {
     /// The optimum, and where and when the cameras are, and with which lenses.
     pub(super) fn run(&self, start: SequenceState) -> Joined {
-        let prior = self.camera_prior(&start);
-        let mut zooms = self.first_zooms(&prior);
-        let cameras = self.first_offsets(&prior, &start);
+        let crossed = Free::crossed(self.calibrated, &start, self.free);
+        let held = self.held_and_off(&crossed, &start);
+        let free: Vec<Free> = crossed.iter().map(|free| free.or(held)).collect();
+        self.with_lenses(&self.prior(&free), start)
+    }
+
+    /// What is surely off of cameras that nothing crosses: whether poses are, and whether clocks are.
+    fn held_and_off(&self, crossed: &[Free], start: &SequenceState) -> Free {
+        let shows = |id: CameraId| self.sequence.frames.iter().any(|f| f.is_shown_by(id));
+        let cameras = self.calibrated.iter().filter(|(id, _)| shows(*id)).count();
+        let asked = Free::shown(cameras, self.free);
+        if !self.has_unknown_cameras() || crossed.iter().all(|free| free.or(asked) == *free) {
+            return Free::default();
+        }
+
+        let thinned = JointOptions { rounds: Rounds::Thinned, ..*self.joint };
+        let free: Vec<Free> = crossed.iter().map(|free| free.or(asked)).collect();
+        let stage = JointStage { joint: &thinned, ..*self };
+        let Joined { optimum, .. } = stage.with_lenses(&self.prior(&free), start.clone());
+        let off = |(i, (crossed, free)): (usize, (&Free, &Free))| {
+            let sd = optimum.uncertainty.as_ref().and_then(|u| u.camera_sd(i));
+            let found = CameraFound::new(&optimum.cameras[i], *free, sd.as_ref());
+            let is_off = |pose: PoseFound| pose.was_touched() || pose.is_zoomed();
+            Free {
+                pose: !crossed.pose && found.pose.is_some_and(is_off),
+                clock: !crossed.clock && found.clock.is_some_and(|c| c.is_off(self.sequence.fps)),
+            }
+        };
+        let off = crossed.iter().zip(&free).enumerate().map(off);
+        let off = off.fold(Free::default(), Free::or);
+        Free { pose: asked.pose && off.pose, clock: asked.clock && off.clock }
+    }
+
+    /// The optimum before lenses as they are found.
+    fn with_lenses(&self, prior: &CameraPrior, start: SequenceState) -> Joined {
+        let mut zooms = self.first_zooms(prior);
+        let cameras = self.first_offsets(prior, &start);
         let start = SequenceState { cameras, ..start };
-        let mut joined = self.before(&prior, &zooms, start.clone());
+        let mut joined = self.before(prior, &zooms, start.clone());
 
         // again, before lenses as they were found
         for _ in 1..LENS_ROUNDS {
@@ -59,7 +98,7 @@ impl JointStage<'_> {
             if found.iter().zip(&zooms).all(|(found, zoom)| (found - zoom).abs() <= ZOOM_SD) {
                 break;
             }
-            joined = self.before(&prior, &found, start.clone());
+            joined = self.before(prior, &found, start.clone());
             zooms = found;
         }
         joined
@@ -130,14 +169,18 @@ impl JointStage<'_> {
         turn_towards(&self.calibrated.cameras[id.0], shown)
     }
 
-    /// What of the cameras is estimated; nothing where points were measured with them.
-    pub(super) fn camera_prior(&self, start: &SequenceState) -> CameraPrior {
+    /// Whether anything of the cameras can be estimated: nothing where points were measured with them.
+    fn has_unknown_cameras(&self) -> bool {
         let has_points = self.sequence.frames.iter().any(|frame| !frame.points.is_empty());
-        if has_points || self.model.root == Root::Fixed {
+        !has_points && self.model.root != Root::Fixed
+    }
+
+    /// p(c) of cameras of which so much is free.
+    pub(super) fn prior(&self, free: &[Free]) -> CameraPrior {
+        if !self.has_unknown_cameras() {
             return CameraPrior::trusting();
         }
-        let interval_s = 1.0 / self.sequence.fps;
-        let prior = CameraPrior::new(self.calibrated, start, self.free, interval_s);
+        let prior = CameraPrior::freeing(free, 1.0 / self.sequence.fps);
         prior.with_errors(self.options.calibration_errors, self.calibrated)
     }
 }

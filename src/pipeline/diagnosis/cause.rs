@@ -58,6 +58,14 @@ pub enum Reason {
         /// Its limit.
         most: f64,
     },
+    /// Cameras that were touched though no two others look across them: they or others beside them, and how far away the person is follows from
+    /// where they stand.
+    Uncrossed {
+        /// How many.
+        found: f64,
+        /// Their limit.
+        most: f64,
+    },
     /// The share of the seen frames that the body covers much worse than the rest.
     LostFrames {
         /// It.

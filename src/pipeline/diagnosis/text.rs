@@ -71,6 +71,12 @@ impl fmt::Display for Reason {
                     "a camera would stand {found:.1} m from where it was calibrated (at most {most:.0} m is believed)"
                 )
             }
+            Self::Uncrossed { .. } => {
+                write!(
+                    f,
+                    "cameras side by side no longer stand as they were calibrated, so how far away the person is cannot be told: calibrate again"
+                )
+            }
             // of all frames
             Self::LostFrames { found, most } => {
                 write!(

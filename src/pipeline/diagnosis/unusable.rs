@@ -5,6 +5,8 @@ use nalgebra::Vector3;
 use super::cause::{Cause, Reason};
 use super::thin::thin_share;
 use super::verdict::Diagnosis;
+use crate::inference::SequenceState;
+use crate::inference::camera_prior::Free;
 use crate::math::stats::median;
 use crate::pipeline::FittedFrame;
 
@@ -73,6 +75,9 @@ impl Diagnosis<'_> {
         if wrong > 0 {
             return Some(Reason::WrongPictures { found: wrong as f64, most: 0.0 });
         }
+        if let Some(uncrossed) = self.uncrossed(causes) {
+            return Some(uncrossed);
+        }
 
         // a body that is folded, upside down or drawn to furniture covers a part of a person fairly
         let misplaces = |cause: &Cause| {
@@ -83,6 +88,26 @@ impl Diagnosis<'_> {
         }
         let found = self.overlap().filter(|found| *found < GOOD_OVERLAP)?;
         Some(Reason::Overlap { found, least: GOOD_OVERLAP })
+    }
+}
+
+impl Diagnosis<'_> {
+    /// Cameras that were touched and that no two others look across.
+    fn uncrossed(&self, causes: &[Cause]) -> Option<Reason> {
+        let motions = self.frames.iter().map(|frame| frame.fit.motion.clone()).collect();
+        let state = SequenceState::new(self.shape.clone(), motions);
+        let rig = self.evidence.rig;
+        let crossed = Free::crossed(rig, &state, Free { pose: true, clock: true });
+        let is_touched = |name: &str| {
+            causes.iter().any(|cause| match cause {
+                Cause::Touched { camera, .. } => camera == name,
+                Cause::FocalLength { camera, lens } => camera == name && lens.sd.is_some(),
+                _ => false,
+            })
+        };
+        let uncrossed = rig.cameras.iter().zip(crossed).filter(|(_, crossed)| !crossed.pose);
+        let found = uncrossed.filter(|(camera, _)| is_touched(&camera.name)).count();
+        (found > 0).then_some(Reason::Uncrossed { found: found as f64, most: 0.0 })
     }
 }
 
@@ -106,8 +131,8 @@ pub(in crate::pipeline) fn lost_frames(frames: &[FittedFrame]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::Rig;
     use crate::inference::camera_offset::CameraOffset;
-    use crate::inference::camera_prior::Free;
     use crate::pipeline::diagnosis::figures::Figures;
     use crate::pipeline::diagnosis::upright::HeadAxis;
     use crate::pipeline::{CameraFound, CameraQuality};
@@ -143,6 +168,24 @@ mod tests {
             assert!(matches!(found, Some(Reason::Overlap { .. })), "{found:?}");
             assert_eq!(unusable_by(cause, 0.5 * (1.0 + GOOD_OVERLAP)), None);
         }
+    }
+
+    #[test]
+    fn a_camera_that_was_touched_makes_a_fit_unusable_if_none_looks_across_it() {
+        let all = Figures::new();
+        let pose = Free { pose: true, clock: false };
+        let found = CameraFound::new(&CameraOffset::zoomed(0.1), pose, None).pose.unwrap();
+        let camera = all.rig.cameras[0].name.clone();
+        let cause = Cause::Touched { camera, pose: Box::new(found) };
+        let reason = |cameras: &[usize]| {
+            let cameras = cameras.iter().map(|i| all.rig.cameras[*i].clone()).collect();
+            let figures = Figures { rig: Rig { cameras }, ..Figures::new() };
+            figures
+                .diagnosed(&[], &[], |diagnosis| diagnosis.uncrossed(std::slice::from_ref(&cause)))
+        };
+        let count = all.rig.cameras.len();
+        assert_eq!(reason(&(0..count).collect::<Vec<_>>()), None);
+        assert!(matches!(reason(&[0, 1]), Some(Reason::Uncrossed { .. })));
     }
 
     #[test]

@@ -43,7 +43,7 @@ use super::{CameraFound, EstimateOptions, Fit, FitError, NoProgress, Progress, c
 use crate::body::{BodyModel, Motion, Shape};
 use crate::camera::Rig;
 use crate::inference::camera_offset::CameraOffset;
-use crate::inference::camera_prior::CameraPrior;
+use crate::inference::camera_prior::{CameraPrior, Free};
 use crate::inference::joint::{JointOptimum, JointOptions, Rounds, joint_optimum_from_terms};
 use crate::inference::{
     Evidence, Look, Sequence, SequenceState, SequenceTerms, ShapeConfidence, keyframe_shapes,
@@ -252,7 +252,7 @@ impl Session<'_> {
         (SequenceState { shape: mean_shape(alone()), motions, cameras }, zooms)
     }
 
-    /// What of a trial's cameras is unknown.
+    /// What of a trial's cameras is unknown: what was, when it was fitted alone.
     fn camera_prior(&self, joint: &JointOptions, k: usize) -> CameraPrior {
         let trial = &self.trials[k];
         let stage = JointStage {
@@ -266,8 +266,8 @@ impl Session<'_> {
             faults: &self.faults[k],
             progress: &NoProgress,
         };
-        let motions = trial.alone.motions.clone();
-        stage.camera_prior(&SequenceState::new(trial.alone.shape.clone(), motions))
+        let free = trial.alone.cameras.iter().map(CameraFound::free);
+        stage.prior(&free.collect::<Vec<Free>>())
     }
 
     /// A trial's part of the optimum, without what a detector means by each joint.

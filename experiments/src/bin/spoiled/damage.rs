@@ -47,6 +47,7 @@ const HIDDEN: &str = "lies before or behind the body";
 pub(crate) fn damages() -> Vec<Damage> {
     let mut all = vec![damage("nothing", "", Clone::clone)];
     all.extend(cameras());
+    all.extend(lenses());
     all.extend(masks());
     all.extend(world());
     all
@@ -109,6 +110,11 @@ fn cameras() -> Vec<Damage> {
         damage("cameras 2 and 4 late by 4 and −5 frames", "early by 5.0", |r| {
             late(&late(r, 1, 4), 3, -5)
         }),
+    ]
+}
+
+fn lenses() -> Vec<Damage> {
+    vec![
         damage("camera 2's focal length 10 % off", "focal length of", |r| {
             moved(r, 1, |c| zoom(c, 1.1))
         }),
