@@ -52,8 +52,10 @@ pub struct ClockFound {
     pub sd_s: Option<f64>,
 }
 
-/// What is known to be off by so many of its standard deviations is told.
+/// What is known to be off by so many of its standard deviations is told: by chance a normal number is in one case of 370.
 const SURE: f64 = 3.0;
+/// The length of three numbers that is as rare: √ of the same quantile of χ² with three degrees of freedom.
+const SURE_OF_THREE: f64 = 3.76;
 /// A clock that is off by less is not worth a word, frames.
 const USUAL_FRAMES: f64 = 0.125;
 
@@ -131,13 +133,10 @@ impl PoseFound {
 
     /// Whether the camera was surely touched, by more than a usual calibration is off.
     pub fn was_touched(&self) -> bool {
-        let is_sure = |found: [f64; 3], sd: Option<[f64; 3]>| {
-            let sure = |sd: [f64; 3]| found.iter().zip(sd).any(|(x, sd)| x.abs() > SURE * sd);
-            sd.is_some_and(sure)
+        let is_off = |(off, sd): (f64, Option<f64>), usual: f64| {
+            sd.is_some_and(|sd| off > SURE_OF_THREE * sd) && off > usual
         };
-        let ((turn, _), (place, _)) = (self.turn(), self.displacement());
-        is_sure(self.turn_deg, self.turn_sd_deg) && turn > TURN_SD.to_degrees()
-            || is_sure(self.displacement_m, self.displacement_sd_m) && place > DISPLACEMENT_SD_M
+        is_off(self.turn(), TURN_SD.to_degrees()) || is_off(self.displacement(), DISPLACEMENT_SD_M)
     }
 
     /// Whether its focal length is surely not the calibrated one, by more than a usual calibration errs.

@@ -155,8 +155,9 @@ impl Diagnosis<'_> {
         }
 
         // cameras that explain a part of it
-        if !found.faults.is_empty() {
-            return of_cameras();
+        let of_cameras = of_cameras();
+        if !of_cameras.is_empty() {
+            return of_cameras;
         }
         if is_unusable && found.left_m > MASKS_AGREE_M {
             return vec![Cause::MasksDisagree { miss_m: found.left_m }];
