@@ -15,8 +15,15 @@
 //! | λ⁴θ²/2q = vθ²/8S³              | [`PosePrior`](super::prior::PosePrior)   | the frame's own     |
 //!
 //! The first frame has p(m) whole. So a second counts as much at 25 as at 100 frames, and a step after a gap is what its time
-//! says. The root has no rest: its velocity, of speed v, is renewed 2πf times a second: q = 2v²·2πf, and the velocity's own part
-//! is 2πf·ẋ²/4v².
+//! says.
+//!
+//! The root has no rest. Its velocity is that of the way, of speed v, and what a stride adds, u, which is renewed 2πf times a second. An acceleration
+//! of standard deviation a at f has u = a/2πf, so q = 2u²·2πf = a²/πf; the velocity's own part is 2πf·ẋ²/4v². For a runner:
+//!
+//! - Along an axis a = 1 g. Feet that press as half a sine for .3 of a stride each press with π/1.2 = 2.6 times the weight at most; about its mean, the weight, this
+//!   is √(2.6²·.6/2 − 1) = 1.03 g.
+//! - About an axis a = 13.3 rad/s²: 6.8° to either side (the pelvis in running: Perpiñá-Martínez et al. 2023) f times a second,
+//!   (2πf)²·6.8°/√2.
 //!
 //! # Several trials
 //! Trials of one person lie end to end in one chain. Of a process that forgets, p(mᵢ | mᵢ₋₁) → p(mᵢ) as Δᵢ → ∞, so Δᵢ = ∞ says that
@@ -27,7 +34,9 @@
 //! φ = log(RₐᵀR_b): ∂φ/∂δ_b = J_r⁻¹(φ), ∂φ/∂δₐ = −J_r⁻¹(φ)ᵀ.
 //!
 //! # Source
-//! Särkkä & Solin 2019, *Applied Stochastic Differential Equations*, ch. 12 (Matérn processes as state spaces).
+//! Särkkä & Solin 2019, *Applied Stochastic Differential Equations*, ch. 12 (Matérn processes as state spaces). Alexander 1989, *Optimization and gaits in the
+//! locomotion of vertebrates*, Physiological Reviews 69 (feet that press as half a sine; shares of a stride). Perpiñá-Martínez et al. 2023, *Differences between sexes and
+//! speed levels in pelvic 3D kinematic patterns during running using an inertial measurement unit*, IJERPH 20(4), 3631.
 
 use nalgebra::{DMatrix, DVector, Matrix3};
 
@@ -38,6 +47,10 @@ use crate::solver::Link;
 
 /// f: gait's limbs swing at one to two strides a second and seldom faster than twice that.
 pub const SWING_HZ: f64 = 2.0;
+/// a of the root along an axis, m/s².
+pub const ROOT_ACCELERATION: f64 = 9.81;
+/// a of the root about an axis, rad/s².
+pub const ROOT_TURN_ACCELERATION: f64 = 13.3;
 
 /// −log of the factors between neighbouring motions.
 #[derive(Debug, Clone)]
@@ -74,9 +87,11 @@ impl ChainPrior {
             Some(joint) => speeds[k] / model.joints[joint].spread,
             None => std::f64::consts::TAU * SWING_HZ,
         };
-        let density = |k: usize| match k < layout.root() {
-            true => 2.0 * renewal(k) * speeds[k].powi(2),
-            false => 4.0 * renewal(k) * speeds[k].powi(2),
+        let of_root = |acceleration: f64| acceleration.powi(2) / (std::f64::consts::PI * SWING_HZ);
+        let density = |k: usize| match k.checked_sub(layout.root()) {
+            Some(_) => 4.0 * renewal(k) * speeds[k].powi(2),
+            None if k < 3 => of_root(ROOT_ACCELERATION),
+            None => of_root(ROOT_TURN_ACCELERATION),
         };
         let n = speeds.len();
         Self {

@@ -8,7 +8,7 @@ use std::fmt::Display;
 use maquette::body::{BodyModel, Layout, Motion, PartId, Posed, Shape};
 use maquette::inference::camera_offset::CameraOffset;
 use maquette::inference::camera_prior::{CameraPrior, Free, PoseErrors};
-use maquette::inference::chain::{ChainPrior, SWING_HZ};
+use maquette::inference::chain::{ChainPrior, ROOT_ACCELERATION, ROOT_TURN_ACCELERATION, SWING_HZ};
 use maquette::inference::contrasts::{Contrasts, Leverages};
 use maquette::inference::motion_prior::MotionPrior;
 use maquette::inference::noise::DataWeights;
@@ -473,14 +473,17 @@ fn dense(model: &BodyModel, motions: &[Motion], motion_model: MotionModel) -> DM
     jacobian.tr_mul(&jacobian)
 }
 
-/// What a square of each velocity and acceleration counts for each second: 1/2Sv and S/4v³ of an angle of spread S and speed v.
+/// What a square of each velocity and acceleration counts for each second: 1/2Sv and S/4v³ of an angle of spread S and speed v, 2πf/2v² and πf/a² of
+/// the root.
 fn densities(model: &BodyModel) -> (DVector<f64>, DVector<f64>) {
-    let of_root = |v: f64| {
-        let renewal = std::f64::consts::TAU * SWING_HZ;
-        (renewal / (2.0 * v * v), 1.0 / (2.0 * v * v * renewal))
+    let of_root = |(v, a): (f64, f64)| {
+        let half_turns = std::f64::consts::PI * SWING_HZ;
+        (half_turns / (v * v), half_turns / (a * a))
     };
     let root = match model.root {
-        maquette::body::Root::Free { speed, turn } => [[speed; 3], [turn; 3]].concat(),
+        maquette::body::Root::Free { speed, turn } => {
+            [[(speed, ROOT_ACCELERATION); 3], [(turn, ROOT_TURN_ACCELERATION); 3]].concat()
+        }
         maquette::body::Root::Fixed => Vec::new(),
     };
     let of_joint = |j: &maquette::body::Joint| {

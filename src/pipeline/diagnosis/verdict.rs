@@ -56,7 +56,7 @@ pub(super) const BODY_L: f64 = 15.0;
 const LIMB_L: f64 = 3.5;
 /// So many silhouettes, and fewer, hold much that is not there: 14 litres beside one person in a real room.
 const FEW_CAMERAS: usize = 4;
-/// A pelvis is accelerated by less, RMS, in g: 0.2 walking, 1 running and jumping.
+/// A pelvis is accelerated by less, RMS, in g: 0.2 walking, 1 running and jumping (see the prior of motions, `inference/chain.rs`).
 const MOST_G: f64 = 2.0;
 /// Frames of which a person along another axis of the world may make the most.
 const UPRIGHT_FRAMES: usize = 5;
