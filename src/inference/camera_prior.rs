@@ -15,8 +15,8 @@
 //! # Which cameras
 //! A camera that nothing crosses is held: the depth at which cameras side by side see a person is as uncertain as their turns, so their
 //! calibration must be trusted. The pose of a camera is free if two others look across its line of sight, its clock if one does
-//! ([`Free::crossed`]). What is surely off is seen without that, from the pictures of [`Free::shown`] cameras: what they show of a person who swings their legs fits at
-//! no depth.
+//! ([`Free::crossed`]). What is surely off shows without that, if enough cameras see the person ([`Free::shown`]): pictures of two moments of a
+//! walk fit a body at no depth.
 //!
 //! # Source
 //! Lange, Little, Taylor 1989, *Robust statistical modeling using the t distribution*.

@@ -1,4 +1,4 @@
-//! Recordings spoiled in forty ways each, and some that are spoiled already: how far off the fit is, what it says of itself, and which cause it names.
+//! Recordings spoiled in fifty ways each, and some that are spoiled already: how far off the fit is, what it says of itself, and which cause it names.
 //!
 //! A row is *silent* if the error is more than twice that of the clean recording, neither verdict nor note names its cause, and
 //! the stated standard deviations of the joint centres do not cover it. A row that only a note names is counted apart: a world
