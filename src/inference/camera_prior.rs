@@ -29,7 +29,7 @@ use serde::{Deserialize, Serialize};
 use super::camera_offset::{AHEAD, COMPONENTS, CameraOffset, ZOOM};
 use super::lens_prior;
 use super::rig_motion::{HeldWorld, RigMotion};
-use super::sequence_state::SequenceState;
+use crate::body::Motion;
 use crate::camera::{Camera, Rig};
 use crate::math::rotation::right_jacobian_inverse;
 use crate::solver::NormalEquations;
@@ -44,10 +44,15 @@ pub struct Free {
 }
 
 impl Free {
-    /// Of what is `allowed`, what the rig can tell of each camera about a body that moves as `state` does.
-    pub fn crossed(rig: &Rig, state: &SequenceState, allowed: Self) -> Vec<Self> {
-        let places = state.motions.iter().map(|motion| motion.position_world);
-        let subject = places.sum::<Vector3<f64>>() / state.motions.len().max(1) as f64;
+    /// Of what is `allowed`, what the rig can tell of each camera about a body with this motion.
+    pub fn crossed<'m>(
+        rig: &Rig,
+        motions: impl ExactSizeIterator<Item = &'m Motion>,
+        allowed: Self,
+    ) -> Vec<Self> {
+        let count = motions.len().max(1) as f64;
+        let places = motions.map(|motion| motion.position_world);
+        let subject = places.sum::<Vector3<f64>>() / count;
         let sights: Vec<Vector3<f64>> =
             rig.cameras.iter().map(|camera| subject - camera.centre_world().coords).collect();
         let crosses = |a: &Vector3<f64>, b: &Vector3<f64>| {
@@ -148,11 +153,6 @@ impl CameraPrior {
     /// Every camera is where and when its calibration says.
     pub fn trusting() -> Self {
         Self { cameras: Vec::new(), components: 0, held: None }
-    }
-
-    /// Of what is `allowed`, what the rig can tell about a body that moves as `state` does; frames are `interval_s` apart.
-    pub fn new(rig: &Rig, state: &SequenceState, allowed: Free, interval_s: f64) -> Self {
-        Self::freeing(&Free::crossed(rig, state, allowed), interval_s)
     }
 
     /// Of what is free of each camera; frames are `interval_s` apart.

@@ -52,23 +52,24 @@ pub(super) struct Joined {
 impl JointStage<'_> {
     /// The optimum, and where and when the cameras are, and with which lenses.
     pub(super) fn run(&self, start: SequenceState) -> Joined {
-        let crossed = Free::crossed(self.calibrated, &start, self.free);
-        let held = self.held_and_off(&crossed, &start);
-        let free: Vec<Free> = crossed.iter().map(|free| free.or(held)).collect();
+        let allowed = if self.has_unknown_cameras() { self.free } else { Free::default() };
+        let crossed = Free::crossed(self.calibrated, start.motions.iter(), allowed);
+        let off = self.held_and_off(&crossed, allowed, &start);
+        let free: Vec<Free> = crossed.iter().map(|free| free.or(off)).collect();
         self.with_lenses(&self.prior(&free), start)
     }
 
     /// What is surely off of cameras that nothing crosses: whether poses are, and whether clocks are.
-    fn held_and_off(&self, crossed: &[Free], start: &SequenceState) -> Free {
+    fn held_and_off(&self, crossed: &[Free], allowed: Free, start: &SequenceState) -> Free {
         let shows = |id: CameraId| self.sequence.frames.iter().any(|f| f.is_shown_by(id));
         let cameras = self.calibrated.iter().filter(|(id, _)| shows(*id)).count();
-        let asked = Free::shown(cameras, self.free);
-        if !self.has_unknown_cameras() || crossed.iter().all(|free| free.or(asked) == *free) {
+        let asked = Free::shown(cameras, allowed);
+        let free: Vec<Free> = crossed.iter().map(|free| free.or(asked)).collect();
+        if free == crossed {
             return Free::default();
         }
 
         let thinned = JointOptions { rounds: Rounds::Thinned, ..*self.joint };
-        let free: Vec<Free> = crossed.iter().map(|free| free.or(asked)).collect();
         let stage = JointStage { joint: &thinned, ..*self };
         let Joined { optimum, .. } = stage.with_lenses(&self.prior(&free), start.clone());
         let off = |(i, (crossed, free)): (usize, (&Free, &Free))| {
@@ -81,8 +82,7 @@ impl JointStage<'_> {
             }
         };
         let off = crossed.iter().zip(&free).enumerate().map(off);
-        let off = off.fold(Free::default(), Free::or);
-        Free { pose: asked.pose && off.pose, clock: asked.clock && off.clock }
+        off.fold(Free::default(), Free::or)
     }
 
     /// The optimum before lenses as they are found.
@@ -176,13 +176,20 @@ impl JointStage<'_> {
     }
 
     /// p(c) of cameras of which so much is free.
-    pub(super) fn prior(&self, free: &[Free]) -> CameraPrior {
-        if !self.has_unknown_cameras() {
-            return CameraPrior::trusting();
-        }
-        let prior = CameraPrior::freeing(free, 1.0 / self.sequence.fps);
-        prior.with_errors(self.options.calibration_errors, self.calibrated)
+    fn prior(&self, free: &[Free]) -> CameraPrior {
+        camera_prior(free, self.calibrated, self.sequence, self.options)
     }
+}
+
+/// p(c) of cameras of which so much is free.
+pub(super) fn camera_prior(
+    free: &[Free],
+    calibrated: &Rig,
+    sequence: Sequence<'_>,
+    options: &EstimateOptions,
+) -> CameraPrior {
+    let prior = CameraPrior::freeing(free, 1.0 / sequence.fps);
+    prior.with_errors(options.calibration_errors, calibrated)
 }
 
 /// The cameras with other focal lengths, by ζ.

@@ -55,7 +55,10 @@ impl<'a> Posterior<'a> {
     /// Before cameras whose places and clocks are unknown.
     fn before_unknown_cameras(scene: &'a Scene, measure: Measure) -> Self {
         let free = Free { pose: true, clock: true };
-        let camera_prior = CameraPrior::new(&scene.rig, &scene.truth, free, 1.0 / FPS);
+        let camera_prior = CameraPrior::freeing(
+            &Free::crossed(&scene.rig, scene.truth.motions.iter(), free),
+            1.0 / FPS,
+        );
         let terms = scene.evidence(measure).sequence_terms(scene.sequence(), camera_prior);
         let (looks, camera_prior) = (terms.thinned, terms.camera_prior);
         Self { looks, camera_prior, ..Self::new(scene, MODELS[1], measure) }

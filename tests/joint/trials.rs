@@ -65,8 +65,10 @@ fn off(cameras: usize) -> Vec<CameraOffset> {
 fn a_camera_of_two_trials_is_linearized_right_with_one_pose_and_two_clocks() {
     let scene = Scene::person("human-ellipsoids", 4);
     let cameras = scene.rig.cameras.len();
-    let prior =
-        CameraPrior::new(&scene.rig, &scene.truth, Free { pose: true, clock: true }, 1.0 / FPS);
+    let prior = CameraPrior::freeing(
+        &Free::crossed(&scene.rig, scene.truth.motions.iter(), Free { pose: true, clock: true }),
+        1.0 / FPS,
+    );
     let terms = scene.evidence(Measure::Ellipses).sequence_terms(scene.sequence(), prior.clone());
     let mut looks = terms.thinned;
     for look in looks[2..].iter_mut().flatten() {

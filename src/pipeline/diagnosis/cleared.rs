@@ -11,7 +11,8 @@ use super::things::WithoutThings;
 use crate::camera::Rig;
 use crate::silhouette::FrameObservations;
 
-/// A recording without pictures that came before, rods, shadows and still things in its masks, and without views that lack a part of the person or hold something else.
+/// A recording without pictures that come twice, without rods, shadows and still things in its masks, and without views that lack a part of the
+/// person or hold something else.
 #[derive(Debug, Clone)]
 pub(in crate::pipeline) struct Cleared<'a> {
     pub(in crate::pipeline) frames: Cow<'a, [FrameObservations]>,
@@ -25,16 +26,8 @@ impl<'a> Cleared<'a> {
         let WithoutRods { frames, cause: rods } = WithoutRods::new(rig, frames);
         let WithoutShadows { frames, cause: shadows } = WithoutShadows::new(rig, frames);
         let WithoutThings { frames, cause: things } = WithoutThings::new(rig, frames);
-        let Parted { frames, causes } = Parted::new(rig, frames);
-        Self {
-            frames,
-            causes: repeats
-                .into_iter()
-                .chain(rods)
-                .chain(shadows)
-                .chain(things)
-                .chain(causes)
-                .collect(),
-        }
+        let Parted { frames, causes: parts } = Parted::new(rig, frames);
+        let of_masks = rods.into_iter().chain(shadows).chain(things);
+        Self { frames, causes: repeats.into_iter().chain(of_masks).chain(parts).collect() }
     }
 }

@@ -79,17 +79,14 @@ fn shown(frame: &FrameObservations, id: CameraId) -> Vec<Point2<f64>> {
 
 /// Whether the box around what is shown is another.
 fn has_moved(before: &[Point2<f64>], now: &[Point2<f64>]) -> bool {
-    let (Some(before), Some(now)) = (corners(before), corners(now)) else { return false };
-    let size_px = (now[1] - now[0]).norm();
-    let moved_px = (0..2).map(|i| (now[i] - before[i]).amax()).fold(0.0, f64::max);
-    moved_px > MOVED_PX.max(MOVED * size_px)
-}
-
-/// The least and the greatest corner of the box around points.
-fn corners(points: &[Point2<f64>]) -> Option<[Point2<f64>; 2]> {
-    let first = *points.first()?;
-    let wider = |[low, high]: [Point2<f64>; 2], p: &Point2<f64>| [low.inf(p), high.sup(p)];
-    Some(points.iter().fold([first; 2], wider))
+    let boxed = |points: &[Point2<f64>]| {
+        points.iter().map(|p| (*p, *p)).reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)))
+    };
+    let (Some((low, high)), Some((new_low, new_high))) = (boxed(before), boxed(now)) else {
+        return false;
+    };
+    let moved_px = (new_low - low).amax().max((new_high - high).amax());
+    moved_px > MOVED_PX.max(MOVED * (new_high - new_low).norm())
 }
 
 #[cfg(test)]

@@ -5,7 +5,6 @@ use nalgebra::Vector3;
 use super::cause::{Cause, Reason};
 use super::thin::thin_share;
 use super::verdict::Diagnosis;
-use crate::inference::SequenceState;
 use crate::inference::camera_prior::Free;
 use crate::math::stats::median;
 use crate::pipeline::FittedFrame;
@@ -89,15 +88,9 @@ impl Diagnosis<'_> {
         let found = self.overlap().filter(|found| *found < GOOD_OVERLAP)?;
         Some(Reason::Overlap { found, least: GOOD_OVERLAP })
     }
-}
 
-impl Diagnosis<'_> {
     /// Cameras that were touched and that no two others look across.
     fn uncrossed(&self, causes: &[Cause]) -> Option<Reason> {
-        let motions = self.frames.iter().map(|frame| frame.fit.motion.clone()).collect();
-        let state = SequenceState::new(self.shape.clone(), motions);
-        let rig = self.evidence.rig;
-        let crossed = Free::crossed(rig, &state, Free { pose: true, clock: true });
         let is_touched = |name: &str| {
             causes.iter().any(|cause| match cause {
                 Cause::Touched { camera, .. } => camera == name,
@@ -105,8 +98,12 @@ impl Diagnosis<'_> {
                 _ => false,
             })
         };
-        let uncrossed = rig.cameras.iter().zip(crossed).filter(|(_, crossed)| !crossed.pose);
-        let found = uncrossed.filter(|(camera, _)| is_touched(&camera.name)).count();
+        let motions = self.frames.iter().map(|frame| &frame.fit.motion);
+        let rig = self.evidence.rig;
+        let crossed = Free::crossed(rig, motions, Free { pose: true, clock: true });
+        let cameras = rig.cameras.iter().zip(crossed);
+        let found = cameras.filter(|(camera, crossed)| !crossed.pose && is_touched(&camera.name));
+        let found = found.count();
         (found > 0).then_some(Reason::Uncrossed { found: found as f64, most: 0.0 })
     }
 }

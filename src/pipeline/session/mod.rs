@@ -34,12 +34,12 @@ use super::camera_covariance::CameraCovariances;
 use super::diagnosis::{CameraFaults, Cause, Cleared};
 use super::estimate::Estimate;
 use super::fit::measures;
-use super::joint_stage::{Joined, JointStage, count_from_calibrated, detected_names, zoomed};
+use super::joint_stage::{Joined, camera_prior, count_from_calibrated, detected_names, zoomed};
 use super::judged::Judge;
 use super::jumps::without_jumps;
 use super::measures::Measures;
 use super::worn::for_worn;
-use super::{CameraFound, EstimateOptions, Fit, FitError, NoProgress, Progress, check_scene};
+use super::{CameraFound, EstimateOptions, Fit, FitError, Progress, check_scene};
 use crate::body::{BodyModel, Motion, Shape};
 use crate::camera::Rig;
 use crate::inference::camera_offset::CameraOffset;
@@ -150,7 +150,7 @@ pub fn fit_session(
     let shared = SharedRig::new(trials);
 
     // 1. one body for all
-    let session = Session { body: &body, trials, faults: &faults, measures: &measures };
+    let session = Session { body: &body, trials, measures: &measures };
     let joined = session.optimum(&shared, progress);
 
     // 2. what each trial is worth with it
@@ -190,7 +190,6 @@ pub fn fit_session(
 struct Session<'a> {
     body: &'a BodyModel,
     trials: &'a [SessionTrial<'a>],
-    faults: &'a [CameraFaults],
     measures: &'a [Measures],
 }
 
@@ -211,7 +210,7 @@ impl Session<'_> {
         for (k, trial) in self.trials.iter().enumerate() {
             let own = Rig { cameras: rig.cameras[shared.cameras[k].clone()].to_vec() };
             let evidence = self.evidence(&detected, &own, k);
-            let prior = self.camera_prior(&joint, k);
+            let prior = self.camera_prior(k);
             let terms = evidence.sequence_terms(trial.sequence, prior.clone());
             thinned.extend(counted_from(terms.thinned, shared.cameras[k].start));
             all.extend(counted_from(terms.all, shared.cameras[k].start));
@@ -253,21 +252,10 @@ impl Session<'_> {
     }
 
     /// What of a trial's cameras is unknown: what was, when it was fitted alone.
-    fn camera_prior(&self, joint: &JointOptions, k: usize) -> CameraPrior {
-        let trial = &self.trials[k];
-        let stage = JointStage {
-            model: self.body,
-            calibrated: trial.rig,
-            measure: self.measures[k].joint,
-            sequence: trial.sequence,
-            options: trial.options,
-            joint,
-            free: trial.options.free(),
-            faults: &self.faults[k],
-            progress: &NoProgress,
-        };
-        let free = trial.alone.cameras.iter().map(CameraFound::free);
-        stage.prior(&free.collect::<Vec<Free>>())
+    fn camera_prior(&self, k: usize) -> CameraPrior {
+        let SessionTrial { alone, rig, sequence, options, .. } = &self.trials[k];
+        let free: Vec<Free> = alone.cameras.iter().map(CameraFound::free).collect();
+        camera_prior(&free, rig, *sequence, options)
     }
 
     /// A trial's part of the optimum, without what a detector means by each joint.

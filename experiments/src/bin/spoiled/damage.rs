@@ -1,5 +1,7 @@
 //! Ways to spoil a recording, each with what a verdict must say that names the cause.
 
+use std::ops::Range;
+
 use experiments::recorded::Recorded;
 use maquette::camera::Camera;
 use maquette::image::{Mask, opened};
@@ -343,17 +345,19 @@ fn half(mask: &Mask) -> Option<Mask> {
 /// A box of a tenth of the picture's width.
 fn wardrobe(mask: &Mask) -> Mask {
     let (w, h) = (mask.width(), mask.height());
-    let is_wardrobe =
-        |x, y| (w * 5 / 8..w * 29 / 40).contains(&x) && (h / 4..h * 4 / 5).contains(&y);
-    Mask::from_fn(w, h, is_wardrobe)
+    block(mask, w * 5 / 8..w * 29 / 40, h / 4..h * 4 / 5)
 }
 
 /// A box that stands where people do: a sixth of the picture's width, and a quarter of its height.
 fn chair(mask: &Mask) -> Mask {
     let (w, h) = (mask.width(), mask.height());
-    let is_chair =
-        |x, y| (w * 17 / 40..w * 23 / 40).contains(&x) && (h * 19 / 30..h * 9 / 10).contains(&y);
-    Mask::from_fn(w, h, is_chair)
+    block(mask, w * 17 / 40..w * 23 / 40, h * 19 / 30..h * 9 / 10)
+}
+
+/// A box in a picture as large as a mask.
+fn block(mask: &Mask, columns: Range<usize>, rows: Range<usize>) -> Mask {
+    let is_block = |x, y| columns.contains(&x) && rows.contains(&y);
+    Mask::from_fn(mask.width(), mask.height(), is_block)
 }
 
 /// Two boxes, elsewhere in each camera.
