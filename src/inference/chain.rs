@@ -25,6 +25,8 @@
 //! - About an axis a = 13.3 rad/s²: 6.8° to either side (the pelvis in running: Perpiñá-Martínez et al. 2023) f times a second,
 //!   (2πf)²·6.8°/√2.
 //!
+//! These are the published densities, q₀. The joint optimum estimates those of the recording ([`accelerations`](super::accelerations)).
+//!
 //! # Several trials
 //! Trials of one person lie end to end in one chain. Of a process that forgets, p(mᵢ | mᵢ₋₁) → p(mᵢ) as Δᵢ → ∞, so Δᵢ = ∞ says that
 //! frame i begins another trial: no factor reaches across, the frame has p(m) whole as the first one has, and the blocks of H that
@@ -60,6 +62,10 @@ pub struct ChainPrior {
     acceleration: DVector<f64>,
     /// What e² of a velocity counts for each second.
     velocity: DVector<f64>,
+    /// How many times each factor of accelerations counts.
+    accelerations_count: f64,
+    /// The same of velocities.
+    velocities_count: f64,
     motion_model: MotionModel,
 }
 
@@ -97,9 +103,32 @@ impl ChainPrior {
         Self {
             acceleration: DVector::from_fn(n, |k, _| 1.0 / density(k)),
             velocity: DVector::from_fn(n, |k, _| 0.5 * renewal(k) / speeds[k].powi(2)),
+            accelerations_count: 1.0,
+            velocities_count: 1.0,
             layout,
             motion_model,
         }
+    }
+
+    /// The same with factors that count so many times.
+    pub(super) fn counting(&self, accelerations: f64, velocities: f64) -> Self {
+        let (accelerations_count, velocities_count) = (accelerations, velocities);
+        Self { accelerations_count, velocities_count, ..self.clone() }
+    }
+
+    /// How many times each factor of accelerations counts.
+    pub(super) fn accelerations_count(&self) -> f64 {
+        self.accelerations_count
+    }
+
+    /// q of each component.
+    pub(super) fn densities(&self) -> DVector<f64> {
+        self.acceleration.map(f64::recip)
+    }
+
+    /// The same with other densities of accelerations.
+    pub(super) fn with_densities(&self, densities: &DVector<f64>) -> Self {
+        Self { acceleration: densities.map(f64::recip), ..self.clone() }
     }
 
     /// How many frames before it a frame is coupled to.
@@ -116,17 +145,15 @@ impl ChainPrior {
         self.factors(motions, seconds, i).iter().map(Factor::cost).sum()
     }
 
-    /// Adds the factors whose last motion is that of frame `i`, each so many times.
+    /// Adds the factors whose last motion is that of frame `i`.
     pub fn linearize(
         &self,
         motions: &[Motion],
         seconds: &[f64],
         i: usize,
-        times: f64,
         links: &mut [Link],
     ) -> f64 {
-        let mut factors = self.factors(motions, seconds, i);
-        factors.iter_mut().for_each(|factor| factor.precision *= times);
+        let factors = self.factors(motions, seconds, i);
         factors.iter().map(|factor| factor.add_to(self.layout, i, links)).sum()
     }
 
@@ -136,16 +163,33 @@ impl ChainPrior {
         }
         let last = self.velocity(&motions[i - 1], &motions[i], seconds[i]);
         let mut factors = Vec::with_capacity(2);
-        let is_third = i > 1 && seconds[i - 1].is_finite();
-        if self.motion_model == MotionModel::ConstantVelocity && is_third {
+        if self.has_acceleration(seconds, i) {
             let before = self.velocity(&motions[i - 2], &motions[i - 1], seconds[i - 1]);
-            let between = 0.5 * (seconds[i] + seconds[i - 1]);
-            let precision = &self.acceleration / between;
+            let precision = &self.acceleration * (self.accelerations_count / between_s(seconds, i));
             factors.push(last.minus(&before, precision));
         }
-        let precision = &self.velocity * seconds[i];
+        let precision = &self.velocity * (self.velocities_count * seconds[i]);
         factors.push(Factor { precision, ..last });
         factors
+    }
+
+    /// e of the acceleration whose last motion is that of frame `i`, and its Δ̄; `None` where there is none.
+    pub(super) fn acceleration(
+        &self,
+        motions: &[Motion],
+        seconds: &[f64],
+        i: usize,
+    ) -> Option<(DVector<f64>, f64)> {
+        let velocity = |i: usize| self.velocity(&motions[i - 1], &motions[i], seconds[i]).residual;
+        let has_one = self.has_acceleration(seconds, i);
+        has_one.then(|| (velocity(i) - velocity(i - 1), between_s(seconds, i)))
+    }
+
+    fn has_acceleration(&self, seconds: &[f64], i: usize) -> bool {
+        self.motion_model == MotionModel::ConstantVelocity
+            && i > 1
+            && seconds[i].is_finite()
+            && seconds[i - 1].is_finite()
     }
 
     /// (to ⊟ from)/Δ, without a precision yet.
@@ -228,6 +272,11 @@ impl Slope {
             turn += self.turn.transpose() * weight * other.turn;
         }
     }
+}
+
+/// Δ̄, from the middle of one interval to that of the next.
+fn between_s(seconds: &[f64], i: usize) -> f64 {
+    0.5 * (seconds[i] + seconds[i - 1])
 }
 
 /// The components that are no rotation of the root.

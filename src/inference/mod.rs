@@ -4,7 +4,7 @@
 //!
 //! | factor, step                      | where            |
 //! |-----------------------------------|------------------|
-//! | p(s), p(m), p(mᵢ given mᵢ₋₁)      | [`prior`], [`chain`], [`motion_prior`] |
+//! | p(s), p(m), p(mᵢ given mᵢ₋₁)      | [`prior`], [`chain`], `accelerations`, [`motion_prior`] |
 //! | eq. 2 and 3 as problems           | [`frame`]        |
 //! | a pose from nothing               | [`hull`], [`joints`], [`start`] |
 //! | one hypothesis along the chain    | [`propagate`]    |
@@ -15,6 +15,7 @@
 //! | cameras and clocks as unknowns    | [`camera_offset`], [`camera_prior`], [`rig_motion`], [`instant`] |
 //! | p_ε,σ(K)                          | [`confidence`], [`ShapeConfidence`] |
 
+mod accelerations;
 pub mod camera_offset;
 pub mod camera_prior;
 pub mod chain;

@@ -14,16 +14,21 @@
 //! for T > W, and ω = 1 otherwise. Divided by ω, a motion is weighed as in a recording of W seconds; what is known of s counts once. T is the time of all
 //! trials of a session.
 //!
+//! *Accelerations count τ₁/τ.* What errs alike in all frames does not accelerate. What is left of the data's errors is what passes, κ²λτ₁, and the
+//! data count τ₁/τ of that. So, divided by τ₁/τ, accelerations and what is seen of them are weighed as they are, and the density of
+//! accelerations can be told from the recording ([`accelerations`](super::accelerations)).
+//!
 //! # Source
 //! Weights of what repeats: Varin, Reid & Firth 2011, *An overview of composite likelihood methods*, § 2.
 
 use nalgebra::DMatrix;
 
+use super::accelerations;
 use super::chain::ChainPrior;
 use super::prior::PosePrior;
 use super::step::MotionModel;
 use crate::body::{BodyModel, Layout, Motion};
-use crate::solver::{Link, NormalEquations};
+use crate::solver::{BorderedChain, Link, NormalEquations};
 
 /// W: two strides. Simulated persons of other makes err alike with two to six seconds, and more with one (docs/decisions, 0033).
 const REPEATS_AFTER_S: f64 = 2.0;
@@ -57,7 +62,25 @@ impl MotionPrior {
         let between = seconds.iter().skip(1).filter(|interval_s| interval_s.is_finite());
         let lasts_s: f64 = between.map(|interval_s| interval_s.min(REPEATS_AFTER_S)).sum();
         let of_window = REPEATS_AFTER_S / lasts_s.max(REPEATS_AFTER_S);
-        Self { counts: 1.0 - staying_share * (1.0 - of_window), ..self.clone() }
+        let counts = 1.0 - staying_share * (1.0 - of_window);
+        Self { counts, chain: self.chain.counting(1.0 - staying_share, counts), ..self.clone() }
+    }
+
+    /// The same with the densities of accelerations that a recording tells.
+    ///
+    /// `used` is the prior of its optimum, this one has the published densities, and `given` is the optimum's H.
+    #[must_use]
+    pub(super) fn with_accelerations_of(
+        &self,
+        used: &Self,
+        (motions, seconds): (&[Motion], &[f64]),
+        given: &BorderedChain,
+    ) -> Self {
+        let chains = [&given.of_frames(), &used.alone(motions, seconds)];
+        let priors = [&self.chain, &used.chain];
+        let found = accelerations::densities(priors, (motions, seconds), chains);
+        let chain = found.map(|densities| self.chain.with_densities(&densities));
+        Self { chain: chain.unwrap_or_else(|| self.chain.clone()), ..self.clone() }
     }
 
     /// How many frames before it a frame is coupled to.
@@ -71,12 +94,12 @@ impl MotionPrior {
             let (pose, step) = self.costs(motions, seconds, i);
             pose + step
         };
-        self.counts * (0..motions.len()).map(of_frame).sum::<f64>()
+        (0..motions.len()).map(of_frame).sum()
     }
 
-    /// What one motion costs, and how it follows the ones before, each once.
+    /// What one motion costs, and how it follows the ones before.
     pub fn costs(&self, motions: &[Motion], seconds: &[f64], i: usize) -> (f64, f64) {
-        let pose = self.pose.cost_lasting(&motions[i], lasts_s(seconds, i));
+        let pose = self.counts * self.pose.cost_lasting(&motions[i], lasts_s(seconds, i));
         (pose, self.chain.cost(motions, seconds, i))
     }
 
@@ -94,9 +117,19 @@ impl MotionPrior {
             links[i].diagonal += self.counts * &equations.hessian;
             links[i].gradient += self.counts * &equations.gradient;
             // how it follows the ones before
-            cost += self.chain.linearize(motions, seconds, i, self.counts, links);
+            cost += self.chain.linearize(motions, seconds, i, links);
         }
         cost
+    }
+
+    /// H of the priors alone. Nothing but data holds the root, so it is held here: no angle depends on it in the priors.
+    pub fn alone(&self, motions: &[Motion], seconds: &[f64]) -> BorderedChain {
+        let mut chain = BorderedChain::zeros(motions.len(), self.layout.motion(), 0, self.reach());
+        self.linearize(motions, seconds, &mut chain.links);
+        for link in &mut chain.links {
+            (0..self.layout.root()).for_each(|k| link.diagonal[(k, k)] += 1.0);
+        }
+        chain
     }
 
     /// The precision of one motion about a pose: limits and rest, once.

@@ -9,6 +9,8 @@
 //! own outline shall lie inside the mask: their residual is the mask's distance transform there. (A
 //! sample hidden in another ellipse must lie inside the mask too, so no visibility is needed.)
 //!
+//! The joint optimum does not look at border pixels in folds of the skin (`folds.rs`).
+//!
 //! A border pixel has the variance σ² = σ_px² + (σ_m·f/z)²: that of the segmentation, and the ellipsoids' own mismatch
 //! with a body. Neighbouring pixels err together: the weight of a row is its length over the correlation length.
 
@@ -16,14 +18,14 @@ use nalgebra::{Matrix3x4, SVector, Vector2, Vector3};
 
 use super::ellipse_distance::{EllipseDistance, OutlineEllipse};
 use super::ellipse_sums::EllipseSums;
+use super::ellipse_view::EllipseView;
 use super::ellipsoid_surface::EllipsoidSurface;
+use super::folds::EllipsoidFolds;
 use super::offset_row::OffsetRow;
 use super::union::{NearEllipses, nearest, smooth_union};
-use super::{PlacedResidual, Source, Term};
+use super::{OutsideFolds, PlacedResidual, Source, Term};
 use crate::body::{EllipsoidJacobians, Layout, Posed};
-use crate::camera::{Camera, Ray};
 use crate::math::quadric::{Ellipsoid, ProjectionJacobian, project, project_with_jacobian};
-use crate::silhouette::{ContourPoint, DistanceMap, Silhouette};
 use crate::solver::{Loss, NormalEquations};
 
 /// Which measure.
@@ -82,48 +84,6 @@ impl EllipseOptions {
             back_samples: 0,
             ..Self::default()
         }
-    }
-}
-
-/// One camera's silhouette, ready for the likelihood.
-#[derive(Debug, Clone)]
-pub struct EllipseView<'a> {
-    projection: Matrix3x4<f64>,
-    camera: Camera,
-    points: Vec<Vector2<f64>>,
-    /// Their lines of sight.
-    rays: Vec<Ray>,
-    lengths_px: Vec<f64>,
-    normals: Vec<Vector2<f64>>,
-    outside: &'a DistanceMap,
-    px_per_m: f64,
-}
-
-impl<'a> EllipseView<'a> {
-    /// A silhouette thinned to one border point every `spacing_m`, of a body at depth `depth_m`.
-    pub fn new(camera: &Camera, silhouette: &'a Silhouette, depth_m: f64, spacing_m: f64) -> Self {
-        let px_per_m = camera.intrinsics.focal_px() / depth_m;
-        let contour = silhouette.thinned(spacing_m * px_per_m);
-        Self {
-            camera: camera.clone(),
-            projection: camera.projection(),
-            points: contour.iter().map(|p| p.pixel.coords).collect(),
-            rays: contour.iter().map(|p| camera.ray(&p.pixel)).collect(),
-            lengths_px: contour.iter().map(ContourPoint::counted_px).collect(),
-            normals: contour.iter().map(|p| p.normal).collect(),
-            outside: &silhouette.outside,
-            px_per_m,
-        }
-    }
-
-    /// Number of border points.
-    pub fn len(&self) -> usize {
-        self.points.len()
-    }
-
-    /// No border point at all.
-    pub fn is_empty(&self) -> bool {
-        self.points.is_empty()
     }
 }
 
@@ -203,14 +163,14 @@ impl<'a> EllipseSilhouette<'a> {
         }
     }
 
-    /// The forward residuals of one view, each where its line of sight touches the nearest ellipsoid.
+    /// The border points of one view and their residuals, each where its line of sight touches the nearest ellipsoid.
     fn view_residuals(
         &self,
         source: usize,
         view: &EllipseView<'_>,
         ellipsoids: &[Ellipsoid],
         surface: &EllipsoidSurface<'_>,
-    ) -> Vec<PlacedResidual> {
+    ) -> Vec<(usize, PlacedResidual)> {
         let (ellipses, _) = project_all(&view.projection, ellipsoids);
         let sigma = self.sigma_px(view);
         let mut near = NearEllipses::new();
@@ -218,7 +178,7 @@ impl<'a> EllipseSilhouette<'a> {
         let points = view.points.iter().zip(&view.rays);
         let borders = view.lengths_px.iter().zip(&view.normals);
 
-        for ((x, ray), (length_px, normal)) in points.zip(borders) {
+        for (point, ((x, ray), (length_px, normal))) in points.zip(borders).enumerate() {
             let Some(distance) = self.distance(view, &ellipses, x, &mut near) else {
                 continue;
             };
@@ -228,16 +188,19 @@ impl<'a> EllipseSilhouette<'a> {
             let offset_m = surface.offset(index, ray).map_or(0.0, |b| b.value_m);
             let distance = distance - offset_m * view.px_per_m;
 
-            residuals.push(PlacedResidual {
-                source: Source::View(source),
-                value: distance / sigma,
-                trust: self.options.loss.evaluate(distance / sigma).1,
-                sigma,
-                weight: length_px / (view.px_per_m * self.options.correlation_m),
-                outward_px: *normal,
-                part,
-                place_part: touched,
-            });
+            residuals.push((
+                point,
+                PlacedResidual {
+                    source: Source::View(source),
+                    value: distance / sigma,
+                    trust: self.options.loss.evaluate(distance / sigma).1,
+                    sigma,
+                    weight: length_px / (view.px_per_m * self.options.correlation_m),
+                    outward_px: *normal,
+                    part,
+                    place_part: touched,
+                },
+            ));
         }
         residuals
     }
@@ -364,7 +327,24 @@ impl Term for EllipseSilhouette<'_> {
         let views = self.views.iter().enumerate();
         views
             .flat_map(|(source, view)| self.view_residuals(source, view, &ellipsoids, &surface))
+            .map(|(_, residual)| residual)
             .collect()
+    }
+
+    fn outside_folds(&self, body: &Posed<'_>) -> OutsideFolds<'_> {
+        let ellipsoids = body.ellipsoids();
+        let surface = EllipsoidSurface::new(body, &ellipsoids);
+        let folds = EllipsoidFolds::new(body);
+        let (mut residuals, mut views) = (Vec::new(), Vec::with_capacity(self.views.len()));
+        for (source, view) in self.views.iter().enumerate() {
+            let mut all = self.view_residuals(source, view, &ellipsoids, &surface);
+            all.retain(|(_, residual)| !folds.contain(residual));
+            let (points, outside): (Vec<usize>, Vec<PlacedResidual>) = all.into_iter().unzip();
+            views.push(view.only(&points));
+            residuals.extend(outside);
+        }
+        let term = Self { views, options: self.options, circle: self.circle.clone() };
+        OutsideFolds { residuals, term: Some(Box::new(term)) }
     }
 }
 

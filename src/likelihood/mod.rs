@@ -17,6 +17,7 @@ mod contact;
 mod ellipse_distance;
 mod ellipse_silhouette;
 mod ellipse_sums;
+mod ellipse_view;
 mod ellipsoid_surface;
 mod folds;
 mod foot;
@@ -39,7 +40,8 @@ mod union;
 
 pub use body_outline::BodyOutline;
 pub use ellipse_distance::EllipseDistance;
-pub use ellipse_silhouette::{EllipseOptions, EllipseSilhouette, EllipseView, Variant};
+pub use ellipse_silhouette::{EllipseOptions, EllipseSilhouette, Variant};
+pub use ellipse_view::EllipseView;
 pub use keypoints::{KeypointOptions, KeypointView, Keypoints, label_sigma_px};
 pub use options::{LikelihoodOptions, Measure};
 pub use parallax::{Contrast, Parallax, Quarter};
@@ -70,7 +72,7 @@ pub trait Term: Send + Sync {
     /// The residuals at a pose, those of one source in the order of its data (along a border).
     fn placed_residuals(&self, body: &Posed<'_>) -> Vec<PlacedResidual>;
     /// The same of the data that do not lie in folds of the skin at a pose.
-    fn outside_folds(&self, body: &Posed<'_>) -> OutsideFolds {
+    fn outside_folds(&self, body: &Posed<'_>) -> OutsideFolds<'_> {
         OutsideFolds { residuals: self.placed_residuals(body), term: None }
     }
     /// What cameras side by side see differently, of a kind of data that can tell.
@@ -80,14 +82,14 @@ pub trait Term: Send + Sync {
 }
 
 /// What a term says of the data that do not lie in folds of the skin.
-pub struct OutsideFolds {
+pub struct OutsideFolds<'a> {
     /// Their residuals.
     pub residuals: Vec<PlacedResidual>,
     /// The term of them alone; `None` where it is of all data.
-    pub term: Option<Box<dyn Term>>,
+    pub term: Option<Box<dyn Term + 'a>>,
 }
 
-impl std::fmt::Debug for OutsideFolds {
+impl std::fmt::Debug for OutsideFolds<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "OutsideFolds({} residuals)", self.residuals.len())
     }
@@ -114,7 +116,7 @@ impl<T: Term + ?Sized> Term for &T {
         (**self).placed_residuals(body)
     }
 
-    fn outside_folds(&self, body: &Posed<'_>) -> OutsideFolds {
+    fn outside_folds(&self, body: &Posed<'_>) -> OutsideFolds<'_> {
         (**self).outside_folds(body)
     }
 

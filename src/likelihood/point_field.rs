@@ -118,7 +118,7 @@ impl Term for PointField {
         skin_term::placed(self, body)
     }
 
-    fn outside_folds(&self, body: &Posed<'_>) -> OutsideFolds {
+    fn outside_folds(&self, body: &Posed<'_>) -> OutsideFolds<'_> {
         let Divided { outside, inside } = Divided::new(self, body);
         let kept = folds::kept(Source::Cloud, self.points.len(), &inside);
         let only = || -> Box<dyn Term> {

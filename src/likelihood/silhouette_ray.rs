@@ -328,7 +328,7 @@ impl Term for SilhouetteRays {
         skin_term::placed(self, body)
     }
 
-    fn outside_folds(&self, body: &Posed<'_>) -> OutsideFolds {
+    fn outside_folds(&self, body: &Posed<'_>) -> OutsideFolds<'_> {
         let Divided { outside, inside } = Divided::new(self, body);
         let views = self.views.iter().enumerate();
         let kept = views.map(|(i, view)| folds::kept(Source::View(i), view.len(), &inside));

@@ -19,6 +19,7 @@ use crate::inference::covariance::Uncertainty;
 use crate::inference::frame::FrameFit;
 use crate::inference::instant::times_s;
 use crate::inference::joint::JointOptions;
+use crate::inference::motion_prior::MotionPrior;
 use crate::inference::noise::Noise;
 use crate::inference::search::Trial;
 use crate::inference::step::between;
@@ -115,6 +116,8 @@ pub(super) struct Estimate {
     pub(super) shape: Shape,
     pub(super) frames: Vec<FrameFit>,
     pub(super) noise: Option<Noise>,
+    /// p(m₁..ₙ), with accelerations as they are in this recording.
+    pub(super) motion_prior: Option<MotionPrior>,
     pub(super) uncertainty: Option<Uncertainty>,
     /// The cameras where they were found to be.
     pub(super) rig: Rig,
@@ -173,6 +176,7 @@ impl Estimate {
             shape: winner.hypothesis.shape.clone(),
             frames: winner.frames.iter().flatten().cloned().collect(),
             noise: None,
+            motion_prior: None,
             uncertainty: None,
             rig: rig.clone(),
             cameras: vec![CameraFound::default(); rig.cameras.len()],
@@ -197,6 +201,7 @@ impl Estimate {
             shape: joint.shape,
             frames: frames.collect(),
             noise: Some(joint.noise),
+            motion_prior: Some(joint.motion_prior),
             uncertainty: joint.uncertainty,
             rig: CameraOffset::applied(calibrated, cameras.iter().map(CameraFound::offset)),
             cameras,

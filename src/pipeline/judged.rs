@@ -11,7 +11,6 @@ use super::unseen::{self, prior_angles_sd};
 use super::warning::warnings;
 use super::{EstimateOptions, Fit, Warning};
 use crate::body::{BodyModel, Motion, Shape};
-use crate::inference::joint::JointOptions;
 use crate::inference::motion_prior::MotionPrior;
 use crate::inference::{Evidence, Sequence, ShapeConfidence};
 
@@ -64,7 +63,8 @@ impl Judge<'_> {
         notes.extend(outline_warnings(coarse, sequence.frames, &sizes, &frames));
         notes.extend(scale_warning(model, &sizes, options.height_m));
         notes.extend(warnings(calibrated, sequence.frames, &frames, &cameras, &confidence));
-        notes.extend(options.joint.and_then(|joint| unseen(model, sequence, &frames, &joint)));
+        let motion_prior = estimate.motion_prior.as_ref();
+        notes.extend(motion_prior.and_then(|prior| unseen(model, sequence, &frames, prior)));
         notes.retain(|warning| verdict.causes.is_empty() || !warning.is_symptom());
 
         let fit = Fit {
@@ -122,10 +122,9 @@ fn unseen(
     model: &BodyModel,
     sequence: Sequence<'_>,
     frames: &[FittedFrame],
-    joint: &JointOptions,
+    motion_prior: &MotionPrior,
 ) -> Option<Warning> {
     let motions: Vec<Motion> = frames.iter().map(|f| f.fit.motion.clone()).collect();
-    let motion_prior = MotionPrior::new(model, joint.motion_model);
-    let prior = prior_angles_sd(model, &motion_prior, &motions, &sequence.intervals_s())?;
+    let prior = prior_angles_sd(model, motion_prior, &motions, &sequence.intervals_s())?;
     unseen::warning(model, frames, &prior)
 }

@@ -1,14 +1,12 @@
 //! Which parts nothing sees: their angles are as uncertain as the priors alone leave them.
 //!
 //! The priors alone are p(m) and p(mᵢ | mᵢ₋₁, …), linearised at the same motions; their H is the same chain without data.
-//! Nothing but data holds the root, so it is held here: no angle depends on it in the priors.
 
 use nalgebra::DVector;
 
 use super::{FittedFrame, Warning};
 use crate::body::{BodyModel, Layout, Motion};
 use crate::inference::motion_prior::MotionPrior;
-use crate::solver::BorderedChain;
 
 /// An angle whose standard deviation is at least this share of what the priors leave has learnt nothing from the data.
 const UNTOUCHED: f64 = 0.9;
@@ -25,13 +23,7 @@ pub fn prior_angles_sd(
     let layout = Layout::new(model);
     let (m, root) = (layout.motion(), layout.root());
 
-    // H of the priors, the root held
-    let mut chain = BorderedChain::zeros(motions.len(), m, 0, motion_prior.reach());
-    motion_prior.linearize(motions, seconds, &mut chain.links);
-    for link in &mut chain.links {
-        (0..root).for_each(|k| link.diagonal[(k, k)] += 1.0);
-    }
-
+    let chain = motion_prior.alone(motions, seconds);
     let mut all = Vec::with_capacity(motions.len());
     let complete = chain.marginals(|_, marginal| {
         let variances = marginal.frame.diagonal().rows(root, m - root).into_owned();

@@ -535,7 +535,7 @@ fn the_chain_is_the_gauss_newton_matrix_of_its_residuals_for_turns_up_to_nearly_
         for turn in [1e-8, 0.3, 1.5, 2.9] {
             let motions = tumbling(&scene, turn);
             let mut chain = BorderedChain::zeros(4, layout.motion(), 0, prior.reach());
-            let each = |i| prior.linearize(&motions, &SECONDS, i, 1.0, &mut chain.links);
+            let each = |i| prior.linearize(&motions, &SECONDS, i, &mut chain.links);
             let cost: f64 = (0..4).map(each).sum();
             let alone: f64 = (0..4).map(|i| prior.cost(&motions, &SECONDS, i)).sum();
             approx::assert_relative_eq!(cost, alone, max_relative = 1e-12);
@@ -562,7 +562,7 @@ impl Problem for Steps<'_> {
         (0..4).map(|i| self.prior.cost(x, &SECONDS, i)).sum()
     }
     fn linearize(&self, x: &Vec<Motion>, chain: &mut BorderedChain) -> f64 {
-        let each = |i| self.prior.linearize(x, &SECONDS, i, 1.0, &mut chain.links);
+        let each = |i| self.prior.linearize(x, &SECONDS, i, &mut chain.links);
         (0..4).map(each).sum()
     }
     fn retract(&self, x: &Vec<Motion>, delta: &DVector<f64>) -> Vec<Motion> {
@@ -640,7 +640,8 @@ fn a_second_of_motion_costs_the_same_at_any_frame_rate() {
 fn a_motion_counts_beside_data_that_repeat_as_it_does_in_two_seconds() {
     let scene = Scene::arm(4);
     let motions = &scene.moved(&scene.truth, 0.2, 7).motions;
-    let once = MotionPrior::new(&scene.model, MotionModel::ConstantVelocity);
+    // without accelerations, which count otherwise
+    let once = MotionPrior::new(&scene.model, MotionModel::ConstantPosition);
     let counts = |staying_share: f64, seconds: &[f64]| {
         let prior = once.beside(staying_share, seconds);
         prior.cost(motions, &SECONDS) / once.cost(motions, &SECONDS)
@@ -655,4 +656,26 @@ fn a_motion_counts_beside_data_that_repeat_as_it_does_in_two_seconds() {
     approx::assert_relative_eq!(counts(1.0, &two), 0.2, max_relative = 1e-12);
     let paused = [&five[..], &[60.0, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5]].concat();
     approx::assert_relative_eq!(counts(1.0, &paused), 0.2, max_relative = 1e-12);
+}
+
+/// τ₁/τ: accelerations count as what passes, however long the recording is.
+#[test]
+fn accelerations_count_as_often_as_what_passes() {
+    let scene = Scene::arm(4);
+    let motions = &scene.moved(&scene.truth, 0.2, 7).motions;
+    let chains = MODELS.map(|model| MotionPrior::new(&scene.model, model));
+    // of priors that differ in accelerations alone
+    let of_accelerations = |staying_share: f64, seconds: &[f64]| {
+        let costs = chains
+            .clone()
+            .map(|prior| prior.beside(staying_share, seconds).cost(motions, &SECONDS));
+        (costs[0] - costs[1]).abs()
+    };
+    let five: Vec<f64> = std::iter::once(f64::INFINITY).chain([0.5; 10]).collect();
+    let once = of_accelerations(0.0, &five);
+    assert!(once > 0.0);
+    for seconds in [&five[..], &five[..3]] {
+        let found = of_accelerations(0.8, seconds) / once;
+        approx::assert_relative_eq!(found, 0.2, max_relative = 1e-9);
+    }
 }

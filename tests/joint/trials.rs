@@ -36,7 +36,7 @@ fn no_factor_of_the_motion_reaches_from_one_trial_to_the_next() {
     let m = Layout::new(&scene.model).motion();
     let mut model = BorderedChain::zeros(4, m, 0, chain.reach());
     for i in 0..4 {
-        chain.linearize(motions, &SECONDS, i, 1.0, &mut model.links);
+        chain.linearize(motions, &SECONDS, i, &mut model.links);
     }
     let largest = |i: usize, k: usize| model.links[i].couplings[k].amax();
     assert!(largest(1, 0) > 0.0 && largest(3, 0) > 0.0);

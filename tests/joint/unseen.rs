@@ -32,10 +32,9 @@ fn fitted(scene: &Scene) -> (JointOptimum, Vec<DVector<f64>>) {
     let evidence = scene.evidence(Measure::Metaballs);
     let start = scene.moved(&scene.truth, 0.02, 61);
     let joint = joint_optimum(&evidence, scene.sequence(), start, &options);
-    let prior = MotionPrior::new(&scene.model, options.motion_model);
     let motions: Vec<_> = joint.frames.iter().map(|f| f.motion.clone()).collect();
     let seconds = scene.sequence().intervals_s();
-    let prior = prior_angles_sd(&scene.model, &prior, &motions, &seconds);
+    let prior = prior_angles_sd(&scene.model, &joint.motion_prior, &motions, &seconds);
     (joint, prior.expect("priors hold every angle"))
 }
 

@@ -22,6 +22,8 @@ pub struct Marginal<'a> {
     pub cross: &'a DMatrix<f64>,
     /// Σ of the shared components, p × p.
     pub shared: &'a DMatrix<f64>,
+    /// Σ of each of the frames coupled to it that follow, nearest first, with the frame's, m × m each.
+    pub followers: &'a [DMatrix<f64>],
 }
 
 impl Marginal<'_> {
@@ -79,7 +81,8 @@ impl BorderedChain {
             // rounding that breaks the symmetry grows from frame to frame
             frame = (&frame + frame.transpose()) * 0.5;
 
-            visit(i, &Marginal { frame: &frame, cross: &cross, shared: &shared });
+            let followers = &to_behind;
+            visit(i, &Marginal { frame: &frame, cross: &cross, shared: &shared, followers });
 
             // the frames before are coupled to so many behind
             behind.insert(0, Behind { frame, cross, to_behind });

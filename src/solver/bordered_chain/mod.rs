@@ -72,6 +72,18 @@ impl BorderedChain {
         Some(self)
     }
 
+    /// The chain of the frames alone, where what they share is fixed.
+    #[must_use]
+    pub fn of_frames(&self) -> Self {
+        let m = self.links.first().map_or(0, |link| link.gradient.len());
+        let without_border = |link: &Link| Link { border: DMatrix::zeros(0, m), ..link.clone() };
+        Self {
+            links: self.links.iter().map(without_border).collect(),
+            corner: DMatrix::zeros(0, 0),
+            corner_gradient: DVector::zeros(0),
+        }
+    }
+
     /// Multiplies it by a factor.
     pub fn scale(&mut self, factor: f64) {
         for link in &mut self.links {

@@ -110,6 +110,11 @@ fn its_marginals_are_blocks_of_the_dense_inverse() {
                 block(i * m, i * m, m, m),
                 epsilon = 1e-12
             );
+            assert_eq!(marginal.followers.len(), reach.min(frames - 1 - i));
+            for (k, follower) in marginal.followers.iter().enumerate() {
+                let expected = block((i + k + 1) * m, i * m, m, m);
+                approx::assert_relative_eq!(*follower, expected, epsilon = 1e-12);
+            }
             approx::assert_relative_eq!(
                 *marginal.cross,
                 block(frames * m, i * m, p, m),
@@ -122,6 +127,20 @@ fn its_marginals_are_blocks_of_the_dense_inverse() {
             );
         }));
         assert_eq!(visited, frames);
+    }
+}
+
+#[test]
+fn the_frames_alone_vary_as_at_a_fixed_shared_part() {
+    for (frames, m, p, reach) in SIZES {
+        let (chain, dense) = random(frames, m, p, reach);
+        let n = frames * m;
+        let expected = dense.view((0, 0), (n, n)).into_owned().cholesky().unwrap().inverse();
+        assert!(chain.of_frames().marginals(|i, marginal| {
+            let of_frame = expected.view((i * m, i * m), (m, m)).into_owned();
+            approx::assert_relative_eq!(*marginal.frame, of_frame, epsilon = 1e-12);
+            assert_eq!(marginal.shared.nrows(), 0);
+        }));
     }
 }
 

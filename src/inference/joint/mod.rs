@@ -6,14 +6,18 @@
 //!
 //! With a detailed body ([`BodyModel::detailed`](crate::body::BodyModel::detailed)) s also says where the joints lie in the flesh
 //! and how far the surface lies outside the model's. Where cameras are not trusted, their places, focal lengths and clocks are unknowns too
-//! ([`CameraPrior`]). How much the data count ([`Noise`], [`Contrasts`]) and how far surfaces lie outside (`spread`) are
-//! estimated by turns with the optimum: first in some rounds of a few steps before a part of the border points, then before all
-//! of them until E no longer falls ([`Rounds`]). The covariance follows from the last optimum's matrix and from what of the residuals
+//! ([`CameraPrior`]). How much the data count ([`Noise`], [`Contrasts`]), how far surfaces lie outside (`spread`) and how motions accelerate
+//! (`accelerations.rs`) are estimated by turns with the optimum: first in some rounds of a few steps before a part of the border points, then
+//! before all of them until E no longer falls ([`Rounds`]). The covariance follows from the last optimum's matrix and from what of the residuals
 //! stays from frame to frame (`repeated_error.rs`).
+
+mod options;
 
 use std::ops::Range;
 
 use nalgebra::DVector;
+
+pub use options::{JointOptions, Rounds};
 
 use super::camera_offset::CameraOffset;
 use super::camera_prior::CameraPrior;
@@ -29,69 +33,9 @@ use super::repeated_error::RepeatedError;
 use super::sequence_posterior::SequencePosterior;
 use super::sequence_state::SequenceState;
 use super::spread::with_spreads;
-use super::step::MotionModel;
 use super::{Evidence, Look, Sequence, SequenceTerms};
 use crate::body::Shape;
 use crate::solver::{BorderedChain, Options, Problem, Report, Solution, levenberg_marquardt};
-
-/// Settings of the joint optimum.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct JointOptions {
-    /// Steps at most in the last round.
-    pub iterations: usize,
-    /// How a motion follows the others.
-    pub motion_model: MotionModel,
-    /// Which rounds are made.
-    pub rounds: Rounds,
-}
-
-/// Rounds of a few steps before a part of the border points, and a last one of many steps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Rounds {
-    /// From Algorithm 1's winner to the optimum before all border points.
-    #[default]
-    All,
-    /// To the optimum before a part of the border points: from there the optimum of several trials starts.
-    Thinned,
-    /// From such an optimum to that before all border points: one round fewer.
-    FromThinned,
-}
-
-impl Rounds {
-    /// The most steps of each round before the last.
-    fn approach(self) -> &'static [usize] {
-        match self {
-            Self::All => &APPROACH,
-            Self::Thinned | Self::FromThinned => &APPROACH[..1],
-        }
-    }
-
-    /// What the last round looks at.
-    fn last<'t, 'f>(self, terms: &'t SequenceTerms<'f>) -> &'t [Vec<Look<'f>>] {
-        match self {
-            Self::All | Self::FromThinned => &terms.all,
-            Self::Thinned => &terms.thinned,
-        }
-    }
-}
-
-impl Default for JointOptions {
-    fn default() -> Self {
-        let motion_model = MotionModel::ConstantVelocity;
-        Self { iterations: 25, motion_model, rounds: Rounds::All }
-    }
-}
-
-impl JointOptions {
-    /// Steps of the work at most: in each round the first linearisation and one for each iteration, and the standard deviations.
-    pub fn most_steps(&self) -> usize {
-        let approach = self.rounds.approach();
-        let approach: usize = approach.iter().map(|iterations| iterations + 1).sum();
-        approach + (self.iterations + 1) + 1
-    }
-}
 
 /// The joint optimum.
 #[derive(Debug, Clone)]
@@ -104,6 +48,8 @@ pub struct JointOptimum {
     pub cameras: Vec<CameraOffset>,
     /// How the residuals err.
     pub noise: Noise,
+    /// p(m₁..ₙ), with accelerations as they are in this recording.
+    pub motion_prior: MotionPrior,
     /// How sure they are; `None` where the matrix is singular.
     pub uncertainty: Option<Uncertainty>,
     /// How the optimisation went.
@@ -136,6 +82,7 @@ impl JointOptimum {
             frames: self.frames[frames.clone()].to_vec(),
             cameras: self.cameras.get(known).map(<[_]>::to_vec).unwrap_or_default(),
             noise: self.noise,
+            motion_prior: self.motion_prior.clone(),
             uncertainty: self.uncertainty.as_ref().map(part),
             report: self.report.clone(),
         }
@@ -173,9 +120,6 @@ pub fn joint_optimum(
     joint_optimum_from_terms(evidence, &terms, &sequence.intervals_s(), start, options, &|| {})
 }
 
-/// Steps in each of the rounds before the last, after which E falls by less than a hundredth.
-const APPROACH: [usize; 2] = [4, 6];
-
 /// The joint optimum of what each frame shows; `seconds[i]` lie between frames i − 1 and i, infinitely many where another trial
 /// begins ([`chain`](super::chain)): trials share s, and the cameras that `terms` says are the same. `step` is called
 /// [`JointOptions::most_steps`] times at most, the last time when all is done.
@@ -189,17 +133,14 @@ pub fn joint_optimum_from_terms<'a>(
 ) -> JointOptimum {
     let model = evidence.model;
     let motion_prior = MotionPrior::new(model, options.motion_model);
+    let priors = Priors { shape: evidence.shape_prior.clone(), motion: motion_prior.clone() };
     let search =
         Search { evidence, seconds, motion_prior, camera_prior: &terms.camera_prior, step };
     let mut state = start.detailed(model);
     state.cameras.resize(terms.camera_prior.cameras(), CameraOffset::none());
 
-    // how the residuals err, the optimum, and how far surfaces lie outside, by turns
-    let mut from = Approached {
-        state,
-        shape_prior: evidence.shape_prior.clone(),
-        leverages: Leverages::new(),
-    };
+    // how the residuals err, the optimum, how far surfaces lie outside and how motions accelerate, by turns
+    let mut from = Approached { state, priors, leverages: Leverages::new() };
     for &max_iterations in options.rounds.approach() {
         let solver = Options { max_iterations, damping: DAMPING, relative_decrease: ROUGHLY };
         let round = search.round(&terms.thinned, from, &solver);
@@ -214,12 +155,13 @@ pub fn joint_optimum_from_terms<'a>(
     let looks = options.rounds.last(terms);
     let round = search.round(looks, from, &solver);
     let uncertainty = search.uncertainty(&round);
-    let Round { noise, solution, .. } = round;
-    let frames = search.frame_fits(looks, &solution.state);
+    let Round { noise, priors, solution, .. } = round;
+    let frames = search.frame_fits(looks, &priors, &solution.state);
     step();
     JointOptimum {
         frames,
         noise,
+        motion_prior: priors.motion,
         uncertainty,
         cameras: solution.state.cameras,
         shape: solution.state.shape,
@@ -231,16 +173,24 @@ pub fn joint_optimum_from_terms<'a>(
 struct Search<'a, 'b> {
     evidence: &'a Evidence<'b>,
     seconds: &'a [f64],
+    /// With the published densities of accelerations.
     motion_prior: MotionPrior,
     camera_prior: &'a CameraPrior,
     step: &'a dyn Fn(),
 }
 
+/// What is known before any data but for their scales, which the recording tells.
+struct Priors {
+    /// p(s) with surfaces that lie as far outside as they do.
+    shape: ShapePrior,
+    /// p(m₁..ₙ) with accelerations as they are.
+    motion: MotionPrior,
+}
+
 /// What the rounds before have found.
 struct Approached {
     state: SequenceState,
-    /// p(s) with surfaces that lie as far outside as they do there.
-    shape_prior: ShapePrior,
+    priors: Priors,
     /// How far the state follows the contrasts.
     leverages: Leverages,
 }
@@ -252,7 +202,7 @@ struct Round<'l> {
     noise: Noise,
     /// ν: how many independent observations that is.
     independent: f64,
-    shape_prior: ShapePrior,
+    priors: Priors,
     contrasts: Contrasts,
     solution: Solution<SequenceState, BorderedChain>,
 }
@@ -265,17 +215,17 @@ impl Search<'_, '_> {
         from: Approached,
         solver: &Options,
     ) -> Round<'l> {
-        let Approached { state: start, shape_prior, leverages } = from;
+        let Approached { state: start, priors, leverages } = from;
         let whole = self.within(looks, &start);
         let none = Contrasts::none(looks.len());
-        let of_all = self.posterior(&whole, &shape_prior, &none);
+        let of_all = self.posterior(&whole, &priors, &none);
         let outside = Outside::new(&whole, &of_all.bodies(&start));
         let noise = Noise::from_residuals(&outside.residuals);
 
         let looks = self.within(&outside.looks, &start);
-        let mut posterior = self.posterior(&looks, &shape_prior, &none);
+        let mut posterior = self.posterior(&looks, &priors, &none);
         posterior.weights = noise.weights();
-        let motion_prior = self.motion_prior.beside(noise.staying_share(), self.seconds);
+        let motion_prior = priors.motion.beside(noise.staying_share(), self.seconds);
         posterior.motion_prior = &motion_prior;
         // a fold looks alike to cameras side by side
         let model = self.evidence.model;
@@ -286,30 +236,35 @@ impl Search<'_, '_> {
         let counted = Counted { problem: &posterior, step: self.step };
         let solution = levenberg_marquardt(&counted, start, solver);
         let independent = noise.independent(&outside.residuals);
-        Round { looks: outside.looks, noise, independent, shape_prior, contrasts, solution }
+        Round { looks: outside.looks, noise, independent, priors, contrasts, solution }
     }
 
     /// How sure an optimum is.
     fn uncertainty(&self, round: &Round<'_>) -> Option<Uncertainty> {
-        let Round { looks, noise, independent, shape_prior, contrasts, solution } = round;
+        let Round { looks, noise, independent, priors, contrasts, solution } = round;
         let looks = self.within(looks, &solution.state);
-        let posterior = self.posterior(&looks, shape_prior, contrasts);
+        let posterior = self.posterior(&looks, priors, contrasts);
         let error = RepeatedError::new(&posterior, solution, noise, *independent)?;
         Uncertainty::new(self.evidence.model, &solution.state, self.camera_prior, &error)
     }
 
     /// The motion of each frame and what it costs, data once.
-    fn frame_fits(&self, looks: &[Vec<Look<'_>>], state: &SequenceState) -> Vec<FrameFit> {
+    fn frame_fits(
+        &self,
+        looks: &[Vec<Look<'_>>],
+        priors: &Priors,
+        state: &SequenceState,
+    ) -> Vec<FrameFit> {
         let looks = self.within(looks, state);
         let none = Contrasts::none(looks.len());
-        self.posterior(&looks, &self.evidence.shape_prior, &none).frame_fits(state)
+        self.posterior(&looks, priors, &none).frame_fits(state)
     }
 
     /// The posterior of looks, of data and motions that count once.
     fn posterior<'p>(
         &'p self,
         looks: &'p [Vec<&'p Look<'p>>],
-        shape_prior: &'p ShapePrior,
+        priors: &'p Priors,
         contrasts: &'p Contrasts,
     ) -> SequencePosterior<'p> {
         let Evidence { model, rig, .. } = self.evidence;
@@ -317,8 +272,8 @@ impl Search<'_, '_> {
             model,
             rig,
             camera_prior: self.camera_prior,
-            shape_prior,
-            motion_prior: &self.motion_prior,
+            shape_prior: &priors.shape,
+            motion_prior: &priors.motion,
             seconds: self.seconds,
             looks,
             weights: DataWeights::all(1.0),
@@ -349,13 +304,18 @@ impl Search<'_, '_> {
     /// From where the next round starts.
     fn approached(&self, round: Round<'_>) -> Approached {
         let model = self.evidence.model;
-        let Solution { state, model: chain, .. } = round.solution;
+        let Solution { state, model: chain, linearized_at, .. } = round.solution;
         let with_spreads = |covariance| {
             ShapePrior::from_statistics(&with_spreads(model, &state.shape, &covariance))
         };
         let shape_prior = chain.shared_covariance().map(with_spreads);
+        let used = round.priors.motion.beside(round.noise.staying_share(), self.seconds);
+        let moves = (linearized_at.motions.as_slice(), self.seconds);
         Approached {
-            shape_prior: shape_prior.unwrap_or_else(|| self.evidence.shape_prior.clone()),
+            priors: Priors {
+                shape: shape_prior.unwrap_or_else(|| self.evidence.shape_prior.clone()),
+                motion: self.motion_prior.with_accelerations_of(&used, moves, &chain),
+            },
             leverages: round.contrasts.leverages(model, &state, &chain),
             state,
         }
