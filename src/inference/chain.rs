@@ -25,7 +25,7 @@
 //! - About an axis a = 13.3 rad/s²: 6.8° to either side (the pelvis in running: Perpiñá-Martínez et al. 2023) f times a second,
 //!   (2πf)²·6.8°/√2.
 //!
-//! These are the published densities, q₀. The joint optimum estimates those of the recording ([`accelerations`](super::accelerations)).
+//! These are the published densities, q₀. The joint optimum estimates those of the recording (`accelerations.rs`).
 //!
 //! # Several trials
 //! Trials of one person lie end to end in one chain. Of a process that forgets, p(mᵢ | mᵢ₋₁) → p(mᵢ) as Δᵢ → ∞, so Δᵢ = ∞ says that

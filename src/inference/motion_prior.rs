@@ -16,7 +16,7 @@
 //!
 //! *Accelerations count τ₁/τ.* What errs alike in all frames does not accelerate. What is left of the data's errors is what passes, κ²λτ₁, and the
 //! data count τ₁/τ of that. So, divided by τ₁/τ, accelerations and what is seen of them are weighed as they are, and the density of
-//! accelerations can be told from the recording ([`accelerations`](super::accelerations)).
+//! accelerations can be told from the recording (`accelerations.rs`).
 //!
 //! # Source
 //! Weights of what repeats: Varin, Reid & Firth 2011, *An overview of composite likelihood methods*, § 2.
