@@ -115,6 +115,7 @@ mod tests {
     use crate::body::{BodyModel, Layout};
     use crate::inference::step::MotionModel;
     use crate::solver::QuadraticModel;
+    use crate::solver::dense;
 
     const SECONDS: f64 = 0.02;
     /// By which the whole chain is held, 1/rad².
@@ -210,15 +211,7 @@ mod tests {
         let m = q.len();
         (0..5).for_each(|i| chain.links[i].diagonal[(0, 0)] += 100.0 * i as f64);
 
-        let mut dense = DMatrix::zeros(5 * m, 5 * m);
-        for (i, link) in chain.links.iter().enumerate() {
-            dense.view_mut((i * m, i * m), (m, m)).copy_from(&link.diagonal);
-            for (k, coupling) in link.couplings.iter().enumerate() {
-                dense.view_mut((i * m, (i - k - 1) * m), (m, m)).copy_from(coupling);
-            }
-        }
-        dense.fill_upper_triangle_with_lower_triangle();
-        let covariance = dense.cholesky().expect("a covariance").inverse();
+        let covariance = dense(&chain).cholesky().expect("a covariance").inverse();
 
         let seconds = [0.02, 0.02, 0.03, 0.02, 0.05];
         let variances = Variances::new(&chain).expect("variances");

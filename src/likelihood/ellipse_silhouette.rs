@@ -20,7 +20,7 @@ use super::ellipse_distance::{EllipseDistance, OutlineEllipse};
 use super::ellipse_sums::EllipseSums;
 use super::ellipse_view::EllipseView;
 use super::ellipsoid_surface::EllipsoidSurface;
-use super::folds::EllipsoidFolds;
+use super::folds::{self, Divided, EllipsoidFolds};
 use super::offset_row::OffsetRow;
 use super::union::{NearEllipses, nearest, smooth_union};
 use super::{OutsideFolds, PlacedResidual, Source, Term};
@@ -102,6 +102,12 @@ impl<'a> EllipseSilhouette<'a> {
         let turn = std::f64::consts::TAU / options.back_samples as f64;
         let circle = (0..options.back_samples).map(|k| (turn * k as f64).sin_cos()).collect();
         Self { views, options, circle }
+    }
+
+    /// Only some of each view's border points.
+    fn only(&self, points: &[Vec<usize>]) -> Self {
+        let views = self.views.iter().zip(points).map(|(view, points)| view.only(points)).collect();
+        Self { views, options: self.options, circle: self.circle.clone() }
     }
 
     /// Number of border points in all views.
@@ -203,6 +209,23 @@ impl<'a> EllipseSilhouette<'a> {
             ));
         }
         residuals
+    }
+
+    /// The border points, divided by whether they lie in folds of a body.
+    fn divided(&self, body: &Posed<'_>) -> Divided {
+        let ellipsoids = body.ellipsoids();
+        let surface = EllipsoidSurface::new(body, &ellipsoids);
+        let folds = EllipsoidFolds::new(body);
+        let mut divided = Divided { outside: Vec::new(), inside: Vec::new() };
+        for (source, view) in self.views.iter().enumerate() {
+            for (point, residual) in self.view_residuals(source, view, &ellipsoids, &surface) {
+                match folds.contain(&residual) {
+                    true => divided.inside.push((residual.source, point)),
+                    false => divided.outside.push(residual),
+                }
+            }
+        }
+        divided
     }
 
     /// Distance of a border point to the model.
@@ -332,19 +355,11 @@ impl Term for EllipseSilhouette<'_> {
     }
 
     fn outside_folds(&self, body: &Posed<'_>) -> OutsideFolds<'_> {
-        let ellipsoids = body.ellipsoids();
-        let surface = EllipsoidSurface::new(body, &ellipsoids);
-        let folds = EllipsoidFolds::new(body);
-        let (mut residuals, mut views) = (Vec::new(), Vec::with_capacity(self.views.len()));
-        for (source, view) in self.views.iter().enumerate() {
-            let mut all = self.view_residuals(source, view, &ellipsoids, &surface);
-            all.retain(|(_, residual)| !folds.contain(residual));
-            let (points, outside): (Vec<usize>, Vec<PlacedResidual>) = all.into_iter().unzip();
-            views.push(view.only(&points));
-            residuals.extend(outside);
-        }
-        let term = Self { views, options: self.options, circle: self.circle.clone() };
-        OutsideFolds { residuals, term: Some(Box::new(term)) }
+        let Divided { outside, inside } = self.divided(body);
+        let views = self.views.iter().enumerate();
+        let kept = views.map(|(i, view)| folds::kept(Source::View(i), view.len(), &inside));
+        let only = || -> Box<dyn Term + '_> { Box::new(self.only(&kept.collect::<Vec<_>>())) };
+        OutsideFolds { residuals: outside, term: (!inside.is_empty()).then(only) }
     }
 }
 

@@ -11,6 +11,8 @@ mod levenberg_marquardt;
 mod normal_equations;
 mod robust;
 
+#[cfg(test)]
+pub(crate) use bordered_chain::tests::dense;
 pub use bordered_chain::{BorderedChain, Link, Marginal};
 pub use check::{LinearizationFault, check_linearization};
 pub use levenberg_marquardt::{Options, Report, Solution, Termination, levenberg_marquardt};

@@ -165,4 +165,4 @@ fn quadratic(lower: &DMatrix<f64>, x: &DVector<f64>) -> f64 {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -3,7 +3,8 @@ use rand::{RngExt, SeedableRng};
 use super::factor::Columns;
 use super::*;
 
-fn dense(chain: &BorderedChain) -> DMatrix<f64> {
+/// H, both triangles.
+pub(crate) fn dense(chain: &BorderedChain) -> DMatrix<f64> {
     let (frames, m) = (chain.links.len(), chain.links[0].gradient.len());
     let p = chain.corner.nrows();
     let mut dense = DMatrix::zeros(frames * m + p, frames * m + p);
