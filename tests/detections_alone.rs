@@ -172,6 +172,7 @@ fn what_cannot_be_fitted_to_is_said_in_one_line() {
     let larger = |frame: usize, camera: usize| {
         file(&[own(frame, camera).iter().map(|value| 3.0 * value).collect()])
     };
+    let smaller = |frame: usize, camera: usize| file(&[half(&own(frame, camera))]);
     let cut = |frame: usize, camera: usize| {
         let text = file(&[own(frame, camera)]);
         text[..text.len() / (1 + usize::from(frame == 3))].to_owned()
@@ -191,6 +192,7 @@ fn what_cannot_be_fitted_to_is_said_in_one_line() {
         (&unsure, "every confidence is 0"),
         (&without, "three numbers for each point"),
         (&larger, "another size"),
+        (&smaller, "write detections_scale = 2 in sequence.toml"),
         (&cut, "000003.json"),
         (&alone, "no two cameras see one person"),
         (&apart, "no two cameras see one person"),
@@ -222,6 +224,60 @@ fn frames_without_files_and_the_wrong_name_of_a_set_are_read_or_told() {
     let fault = observed(folder.path());
     let fault = fault.expect_err("17 points").to_string();
     assert!(fault.contains("people of 17 points, halpe26 has 26"), "{fault}");
+}
+
+#[test]
+fn detections_of_pictures_of_half_the_size_are_read_with_their_scale() {
+    let walker = walker();
+    let own = |frame: usize, camera: usize| {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        person(&walker, (frame, camera), Vector3::zeros(), &mut rng)
+    };
+    let whole = project(&walker, |frame, camera| file(&[own(frame, camera)]));
+    let halves = project(&walker, |frame, camera| file(&[half(&own(frame, camera))]));
+    let manifest = halves.path().join("sequence.toml");
+    fs::write(&manifest, "detections_scale = 2\n").expect("a file");
+
+    let wanted = observed(whole.path()).expect("detections");
+    let found = observed(halves.path()).expect("detections");
+    for frame in 0..FRAMES {
+        assert_eq!(found.load_people(frame).unwrap(), wanted.load_people(frame).unwrap());
+    }
+
+    fs::write(&manifest, "detections_scale = 0\n").expect("a file");
+    let fault = Recording::open(halves.path()).expect_err("no picture has this size").to_string();
+    assert!(fault.contains("detections_scale = 0: expected a number from 0.01"), "{fault}");
+}
+
+#[test]
+fn poses_from_the_camera_to_the_world_are_told_and_read_as_the_manifest_says() {
+    let walker = walker();
+    let folder = project(&walker, text_of(&walker));
+    let mut inverse = walker.rig.clone();
+    for camera in &mut inverse.cameras {
+        camera.camera_from_world = camera.camera_from_world.inverse();
+    }
+    let calibration = folder.path().join("calibration/Calib_scene.toml");
+    fs::write(calibration, write_toml(&inverse)).expect("a file");
+    let fault = fitted(folder.path()).expect_err("no poses");
+    assert!(fault.ends_with("write poses = \"camera-to-world\" in sequence.toml"), "{fault}");
+
+    fs::write(folder.path().join("sequence.toml"), "poses = \"camera-to-world\"\n")
+        .expect("a file");
+    let read = observed(folder.path()).expect("detections").rig;
+    for (read, camera) in read.cameras.iter().zip(&walker.rig.cameras) {
+        approx::assert_relative_eq!(
+            read.camera_from_world,
+            camera.camera_from_world,
+            epsilon = 1e-12
+        );
+    }
+}
+
+/// A person in a picture of half the size.
+fn half(person: &[f64]) -> Vec<f64> {
+    let halved = person.iter().enumerate();
+    halved.map(|(i, value)| if i % 3 == 2 { *value } else { value / 2.0 }).collect()
 }
 
 #[test]

@@ -8,7 +8,7 @@ use serde_json::json;
 use maquette::gait::GaitOptions;
 use maquette::io::folder::OutFolder;
 use maquette::pipeline::Progress;
-use maquette::workflow::{GaitSource, SessionStudy};
+use maquette::workflow::{EventChoice, GaitSource, SessionStudy};
 use maquette::{FittedRecording, GaitStudy};
 
 use super::error::CliError;
@@ -92,6 +92,12 @@ impl ReportArguments {
             let out = self.out.display();
             return Err(CliError::Arguments(format!(
                 "{argument}: {out} is of a session: who walked, and which trial is the standing one, stands in its session.toml (docs/session.md)"
+            )));
+        }
+        if !matches!(self.events.choice(), EventChoice::Beside) {
+            return Err(CliError::Arguments(format!(
+                "--events: {} is of a session: corrected events of a trial stand in the events.json of its own folder (docs/session.md)",
+                self.out.display()
             )));
         }
         let norm = norm_choice(self.norm.as_deref());

@@ -7,7 +7,7 @@
 //! [`Camera::undistort`] and [`Camera::distort`] go from one to the other.
 //!
 //! A [`Rig`] is all cameras of a recording in one world; [`Rig::common_view`] says whether they look at one volume.
-//! [`UpAxis`] converts between that world, with Z up, and those of files.
+//! [`UpAxis`] converts between that world, with Z up, and those of files; [`PoseForm`] says what a file's R and t mean.
 //! [`essential_matrices`] says how two cameras stand to each other whose lenses alone are known.
 //! [`check_projection`] is the law that every camera model here obeys.
 
@@ -17,6 +17,7 @@ mod distortion;
 mod essential;
 mod intrinsics;
 mod pinhole;
+mod pose_form;
 mod ray;
 mod rig;
 mod up_axis;
@@ -27,6 +28,7 @@ pub use distortion::Distortion;
 pub use essential::{essential_matrices, poses_of_essential};
 pub use intrinsics::Intrinsics;
 pub use pinhole::Camera;
+pub use pose_form::PoseForm;
 pub use ray::{Ray, closest_point};
 pub use rig::{CameraId, Rig};
 pub use up_axis::UpAxis;

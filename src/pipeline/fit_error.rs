@@ -2,6 +2,7 @@
 
 use super::Cause;
 use super::scene::MOST_EMPTY_FRAMES;
+use crate::camera::PoseForm;
 use crate::silhouette::{FrameIndex, InvalidOption, Rejected};
 
 /// Why nothing could be fitted.
@@ -58,6 +59,24 @@ pub enum FitError {
     NobodyDetected {
         /// How many frames there are.
         frames: usize,
+    },
+    /// Poses in another form.
+    #[error(
+        "the pictures of all cameras agree if the calibration is read so that {}, and not as it is: write poses = \"{form}\" in sequence.toml",
+        form.formula()
+    )]
+    PosesWritten {
+        /// How they must be written.
+        form: PoseForm,
+    },
+    /// Detections of pictures of another size.
+    #[error(
+        "the detections look as if they were made from pictures of {:.2} times the size of the calibration's: if they were, write detections_scale = {scale} in sequence.toml",
+        1.0 / scale
+    )]
+    DetectionsScaled {
+        /// How many of the calibration's pixels one of theirs is.
+        scale: f64,
     },
     /// Detections that are not of one person.
     #[error(
@@ -137,6 +156,17 @@ pub enum FitError {
         "points can only be compared with the skin of metaballs: leave --likelihood out, or use metaballs"
     )]
     PointsOnEllipses,
+    /// Cameras of which no body can be seen by all.
+    #[error(
+        "what the cameras show misses each other by {:.0} mm on the mean, wherever a person is taken to stand{}",
+        1e3 * miss_m, because(causes)
+    )]
+    Apart {
+        /// By how much, metres.
+        miss_m: f64,
+        /// What is wrong with the recording, if that is known.
+        causes: Vec<Cause>,
+    },
     /// No hypothesis could be followed through the sequence.
     #[error("no hypothesis could be followed through the {frames} frames{}", because(causes))]
     NoHypothesis {

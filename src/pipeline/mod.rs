@@ -58,7 +58,9 @@ pub use camera_found::{CameraFound, ClockFound, PoseFound};
 pub use clock_line::{ClockLine, Drift, TOLD_PPM, WindowClock, clock_line};
 pub use counted::counted;
 pub use detected::{DetectedQuality, DetectionQuality};
-pub use diagnosis::{Cause, HeadAxis, LensOff, Reason, Verdict, strangers};
+pub use diagnosis::{
+    Cause, HeadAxis, LensOff, Reason, Verdict, largest_people, other_pose_form, strangers,
+};
 pub use fit::{Fit, fit, fit_watched};
 pub use fit_error::FitError;
 pub use fitted::{FittedFrame, MinusLogPosterior, TriedHypothesis};
@@ -72,7 +74,7 @@ pub use memory::MemoryPictures;
 pub use movement::{FittedBody, FittedMotion, FittedPoint, FramePose, FrameSd};
 pub use options::{Cameras, Clocks, EstimateOptions, FitTo, ObservationOptions, PeopleOptions};
 pub use people::{LEAST_SHARE, by_labels, people};
-pub use person::{Beside, Person, detected_people};
+pub use person::{Beside, Person, detected_people, other_scale};
 pub use points::PointQuality;
 pub use progress::{NoProgress, Progress};
 pub use quality::{CameraQuality, ViewQuality};

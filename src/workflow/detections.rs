@@ -2,9 +2,12 @@
 
 use rayon::prelude::*;
 
+use super::mistakes::{check_poses, check_scale};
 use super::{Error, FitOptions};
-use crate::io::recording::{Note, ObservationFiles, RecordingError};
-use crate::pipeline::{FitError, FitTo, Person, Progress, detected_people, strangers};
+use crate::io::recording::{Note, ObservationFiles, Recording, RecordingError};
+use crate::pipeline::{
+    FitError, FitTo, Person, Progress, detected_people, largest_people, strangers,
+};
 use crate::silhouette::{FrameObservations, FramePeople};
 
 /// So many people are fitted, unless more are asked for.
@@ -23,6 +26,7 @@ pub(super) fn stand_alone(files: &ObservationFiles, fit_to: FitTo) -> bool {
 /// The detections of each person, the one who is measured first, in the frames that were asked for, and points where there are any; what is
 /// odd is noted.
 pub(super) fn load(
+    recording: &Recording,
     files: &mut ObservationFiles,
     options: &FitOptions,
     progress: &dyn Progress,
@@ -39,6 +43,8 @@ pub(super) fn load(
 
     // the first fault in the order of the frames, whichever thread met one first
     let people: Vec<FramePeople> = loaded.into_iter().collect::<Result<_, _>>()?;
+    check_poses(recording, &files.rig, &largest_people(&people))?;
+    check_scale(&files.rig, &people)?;
     let most = options.observations.people.most.unwrap_or(MOST_PEOPLE);
     let found = detected_people(&files.rig, &people, files.fps, most);
     check(&found[0], files, &people)?;

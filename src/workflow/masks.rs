@@ -5,10 +5,11 @@ use std::path::Path;
 
 use super::Error;
 use super::detections::MOST_PEOPLE;
+use super::mistakes::check_scale;
 use crate::io::folder::OutFolder;
 use crate::io::folder::segmented::{MaskExtras, MaskFolder, QualityRow};
+use crate::io::recording::Recording;
 use crate::io::recording::footage::{Footage, FootageNote};
-use crate::io::recording::{Recording, RecordingError};
 use crate::pipeline::segment::{SegmentOptions, SegmentedFrame, segment};
 use crate::pipeline::{FrameRange, Person, Progress, detected_people, span};
 
@@ -58,8 +59,9 @@ pub(super) fn people(
     recording: &Recording,
     footage: &Footage,
     most: usize,
-) -> Result<Vec<Person>, RecordingError> {
+) -> Result<Vec<Person>, Error> {
     let frames = recording.people_in(footage)?;
+    check_scale(&footage.rig, &frames)?;
     let seen = |person: &Person| person.detections.iter().any(|(_, seen)| !seen.is_empty());
     let found = detected_people(&footage.rig, &frames, footage.fps, most);
     Ok(found.into_iter().filter(seen).collect())

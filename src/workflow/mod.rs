@@ -8,6 +8,7 @@
 //! | `options.rs`  | [`FitOptions`]: how a recording is fitted                                     |
 //! | `fit.rs`      | `Recording::fit`, in memory, and `Recording::fit_into` a folder               |
 //! | `input.rs`    | everything that a fit is made from                                            |
+//! | `mistakes.rs` | usual mistakes that are told before anything is searched                      |
 //! | `people.rs`   | what is fitted of each person of several                                     |
 //! | `derived.rs`  | what a recording lacks, made of its pictures: masks, contours, points         |
 //! | `given.rs`    | what a recording has before that, and fingerprints of what a fit reads        |
@@ -41,6 +42,7 @@ mod given;
 mod input;
 mod lenses;
 mod masks;
+mod mistakes;
 mod options;
 mod own_norm;
 mod people;

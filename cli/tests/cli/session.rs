@@ -78,6 +78,7 @@ fn a_folder_of_trials_gets_one_body_and_is_taken_up_again() {
     // who walked stands in session.toml
     let out = arm.out("out").display().to_string();
     run(&["report", &out, "--neutral", &out]).refused(&["--neutral: ", "session.toml"]);
+    run(&["report", &out, "--events", "none"]).refused(&["--events: ", "events.json"]);
 }
 
 #[test]

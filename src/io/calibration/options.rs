@@ -1,6 +1,6 @@
 //! What the reader of a calibration must be told.
 
-use crate::camera::UpAxis;
+use crate::camera::{PoseForm, UpAxis};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -12,6 +12,8 @@ pub struct CalibrationOptions {
     pub unit: Option<Unit>,
     /// The axis of the file's world that points up; Z by default.
     pub up: UpAxis,
+    /// What the file's rotations and translations mean; from the world to the camera by default.
+    pub pose_form: PoseForm,
     /// Width and height in pixels by camera name, from masks, images or video.
     ///
     /// Used where the file states none; empty by default. For a Vicon file it is the part of the sensor that was

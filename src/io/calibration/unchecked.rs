@@ -93,9 +93,10 @@ pub(super) struct UncheckedCamera {
     /// K, row by row.
     pub(super) matrix: Numbers,
     pub(super) lens: Lens,
-    /// `camera_from_world`: Rodrigues vector, or matrix row by row; no numbers where the file has none.
+    /// `camera_from_world`, or what [`CalibrationOptions::pose_form`] says: Rodrigues vector, or matrix row by row; no numbers where the file has
+    /// none.
     pub(super) rotation: Numbers,
-    /// `camera_from_world`, in the file's unit.
+    /// The same, in the file's unit.
     pub(super) translation: Numbers,
     /// The format's own unit.
     pub(super) unit: Unit,
@@ -229,8 +230,8 @@ impl UncheckedCamera {
         let rotation = self.rotation(&self.rotation)?;
         let translation = Vector3::from(self.translation.exactly::<3>("3", &self.name)?);
         let metres = options.unit.unwrap_or(self.unit).in_metres();
-        let camera_from_file =
-            Rigid3::from_parts(Translation3::from(translation * metres), rotation);
+        let written = Rigid3::from_parts(Translation3::from(translation * metres), rotation);
+        let camera_from_file = options.pose_form.camera_from_file(&written);
         Ok(camera_from_file * options.up.file_from_world())
     }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::manifest::CameraFiles;
 use super::note::CalibrationNote;
 use super::{DetectionFiles, Recording, RecordingError, Stand, layout};
-use crate::camera::{Camera, Rig};
+use crate::camera::{Camera, PoseForm, Rig, UpAxis};
 use crate::io::calibration::{self, CalibrationOptions, Poses};
 use crate::io::unknown_key::nearest;
 
@@ -115,10 +115,16 @@ impl Recording {
         Ok((whole.unwrap_or(used), options))
     }
 
+    /// Which axis of the calibration's world points up, if nothing is said of the form of its poses.
+    pub(crate) fn up_of_plain_poses(&self) -> Option<UpAxis> {
+        (self.manifest.poses == PoseForm::default()).then_some(self.manifest.up)
+    }
+
     fn calibration_options(&self) -> CalibrationOptions {
         CalibrationOptions {
             unit: self.manifest.unit,
             up: self.manifest.up,
+            pose_form: self.manifest.poses,
             ..CalibrationOptions::default()
         }
     }

@@ -34,6 +34,8 @@ pub(super) struct DetectionFiles {
     /// The people of each frame, of cameras whose pictures are all in one file.
     tables: Vec<Option<BTreeMap<FrameIndex, Vec<NamedPerson>>>>,
     set: Option<KeypointSet>,
+    /// How many of the calibration's pixels one of theirs is, if not one.
+    scale: Option<f64>,
 }
 
 impl Recording {
@@ -103,8 +105,9 @@ impl DetectionFiles {
     ) -> Result<Self, RecordingError> {
         let folders = folders(recording, rig)?;
         let count = rig.cameras.len();
-        let mut found =
-            Self { cameras: vec![BTreeMap::new(); count], tables: vec![None; count], set: None };
+        let scale = recording.manifest.detections_scale;
+        let (cameras_of, tables) = (vec![BTreeMap::new(); count], vec![None; count]);
+        let mut found = Self { cameras: cameras_of, tables, set: None, scale };
         let mut seen = Vec::new();
         for (camera, pattern) in folders {
             let Some((id, calibrated)) = rig.by_name(&camera) else { continue };
@@ -120,7 +123,7 @@ impl DetectionFiles {
                     true => detections::read_array(&whole, id.0, count),
                     false => detections::read_table(&whole),
                 };
-                let table = checked(table, &whole, calibrated)?.into_iter();
+                let table = checked(table, &whole, calibrated, scale)?.into_iter();
                 let table: BTreeMap<FrameIndex, Vec<NamedPerson>> =
                     table.filter_map(|(number, people)| Some((frame(number)?, people))).collect();
                 found.cameras[id.0] = table.keys().map(|at| (*at, whole.clone())).collect();
@@ -135,7 +138,7 @@ impl DetectionFiles {
                 let pattern = recording.folder.join(pattern);
                 return Err(RecordingError::MissingDetections { pattern, camera });
             }
-            seen.extend(sampled(&files.of_number, calibrated)?);
+            seen.extend(sampled(&files.of_number, calibrated, scale)?);
             let numbered = files.of_number.into_iter();
             found.cameras[id.0] =
                 numbered.filter_map(|(number, path)| Some((frame(number)?, path))).collect();
@@ -172,7 +175,7 @@ impl DetectionFiles {
     ) -> Result<Vec<Vec<Keypoint>>, RecordingError> {
         if let Some(Some(table)) = self.tables.get(id.0) {
             let people = table.get(&frame).map_or(&[][..], Vec::as_slice).iter();
-            let people = people.map(|person| keypoints(camera, person.iter().copied()));
+            let people = people.map(|person| self.keypoints(camera, person.iter().copied()));
             return Ok(people.filter(|person| !person.is_empty()).collect());
         }
         let path = self.cameras.get(id.0).and_then(|files| files.get(&frame));
@@ -181,8 +184,24 @@ impl DetectionFiles {
         };
         let people = read(path)?;
         let of_set = people.iter().filter(|person| person.len() == set.count);
-        let named = |person: &Person| keypoints(camera, set.points().zip(person.iter().copied()));
+        let named =
+            |person: &Person| self.keypoints(camera, set.points().zip(person.iter().copied()));
         Ok(of_set.map(named).collect())
+    }
+
+    /// The points of a person that have a name and were seen, in undistorted pixels.
+    fn keypoints(
+        &self,
+        camera: &Camera,
+        person: impl Iterator<Item = (&'static str, [f64; 3])>,
+    ) -> Vec<Keypoint> {
+        let scale = self.scale.unwrap_or(1.0);
+        let seen = |(name, [x, y, confidence]): (&'static str, [f64; 3])| {
+            let is_usable = confidence > 0.0 && x.is_finite() && y.is_finite();
+            let pixel = is_usable.then(|| camera.undistort(&(Point2::new(x, y) * scale)))??;
+            Some(Keypoint { name, pixel, confidence: confidence.min(1.0) })
+        };
+        person.filter(|(name, _)| !name.is_empty()).filter_map(seen).collect()
     }
 }
 
@@ -283,13 +302,17 @@ fn read(path: &Path) -> Result<Vec<Person>, RecordingError> {
 }
 
 /// The people of some files of a camera, whose pictures must be of the calibrated size.
-fn sampled(files: &BTreeMap<u64, PathBuf>, camera: &Camera) -> Result<Vec<Person>, RecordingError> {
+fn sampled(
+    files: &BTreeMap<u64, PathBuf>,
+    camera: &Camera,
+    scale: Option<f64>,
+) -> Result<Vec<Person>, RecordingError> {
     let step = files.len().div_ceil(SAMPLED_FILES).max(1);
     let mut people = Vec::new();
     for path in files.values().step_by(step) {
         people.extend(read(path)?);
     }
-    check_size(camera, people.iter().flatten())?;
+    check_size(camera, scale, people.iter().flatten())?;
     Ok(people)
 }
 
@@ -298,37 +321,27 @@ fn checked(
     table: Result<detections::Table, String>,
     path: &Path,
     camera: &Camera,
+    scale: Option<f64>,
 ) -> Result<detections::Table, RecordingError> {
     let table = table.map_err(|reason| RecordingError::Detections { path: path.into(), reason })?;
     let people = table.values().flatten().flatten();
-    check_size(camera, people.map(|(_, point)| point))?;
+    check_size(camera, scale, people.map(|(_, point)| point))?;
     Ok(table)
 }
 
 /// Whether points may be of pictures of the calibrated size.
 fn check_size<'a>(
     camera: &Camera,
+    scale: Option<f64>,
     points: impl Iterator<Item = &'a [f64; 3]>,
 ) -> Result<(), RecordingError> {
     let seen = points.filter(|point| point[2] > 0.0);
     let farthest =
         seen.fold([0.0_f64; 2], |far, point| [far[0].max(point[0]), far[1].max(point[1])]);
+    let farthest = farthest.map(|x| x * scale.unwrap_or(1.0));
     let size = [camera.width_px, camera.height_px];
     match (0..2).any(|k| farthest[k] > (1.0 + OUTSIDE) * f64::from(size[k])) {
         true => Err(RecordingError::DetectionSize { camera: camera.name.clone(), farthest, size }),
         false => Ok(()),
     }
-}
-
-/// The points of a person that have a name and were seen.
-fn keypoints(
-    camera: &Camera,
-    person: impl Iterator<Item = (&'static str, [f64; 3])>,
-) -> Vec<Keypoint> {
-    let seen = |(name, [x, y, confidence]): (&'static str, [f64; 3])| {
-        let is_usable = confidence > 0.0 && x.is_finite() && y.is_finite();
-        let pixel = is_usable.then(|| camera.undistort(&Point2::new(x, y)))??;
-        Some(Keypoint { name, pixel, confidence: confidence.min(1.0) })
-    };
-    person.filter(|(name, _)| !name.is_empty()).filter_map(seen).collect()
 }

@@ -249,7 +249,7 @@ pub enum RecordingError {
     },
     /// Detections in pictures of another size than the calibration's.
     #[error(
-        "camera {camera}: detections reach pixel ({:.0}, {:.0}), its calibration is of pictures of {} × {}: were they made from pictures of another size?",
+        "camera {camera}: detections reach pixel ({:.0}, {:.0}), its calibration is of pictures of {} × {}: were they made from pictures of another size? detections_scale in sequence.toml says how many of the calibration's pixels one of theirs is",
         farthest[0], farthest[1], size[0], size[1]
     )]
     DetectionSize {
@@ -259,6 +259,14 @@ pub enum RecordingError {
         farthest: [f64; 2],
         /// Width and height, pixels.
         size: [u32; 2],
+    },
+    /// A scale of detections that no picture has.
+    #[error("{}: detections_scale = {scale}: expected a number from 0.01 to 100, how many of the calibration's pixels one pixel of the detections is", path.display())]
+    DetectionsScale {
+        /// The manifest.
+        path: PathBuf,
+        /// What it says.
+        scale: f64,
     },
     /// Points far outside the cameras' view, as when millimetres are read as metres.
     #[error(

@@ -146,7 +146,7 @@ pub enum Note {
     NobodyDetected,
     /// A camera whose detections are of nobody whom the others see.
     #[error(
-        "camera {camera}: none of its detections is of the person whom the others see: check its calibration and offset_frames"
+        "camera {camera}: none of its detections is of the person whom the others see: check its calibration, the size of the pictures that they were made from, and offset_frames"
     )]
     DetectedElsewhere {
         /// The camera.

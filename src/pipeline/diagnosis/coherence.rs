@@ -36,7 +36,7 @@ const FEW_BORDER_POINTS: f64 = 16.0;
 pub(super) const REACH_M: f64 = 1.6;
 const STEP_M: f64 = 0.04;
 /// A line of sight that misses by more than this misses altogether, metres.
-const MOST_M: f64 = 0.3;
+pub(super) const MOST_M: f64 = 0.3;
 /// What so many of the cameras that could see it see is there: of three others all, for two of them agree about many places.
 pub(super) const NEARLY_ALL: f64 = 0.75;
 

@@ -10,6 +10,7 @@
 //! | `coherence.rs`   | whether the silhouettes agree, whatever body they show            |
 //! | `joint_misses.rs` | the same of detections, where there are no silhouettes           |
 //! | `cameras.rs`     | exchanged, mirrored, late, zoomed and displaced cameras           |
+//! | `poses.rs`       | poses that are written in another form, before anybody is fitted  |
 //! | `strangers.rs`   | exchanged and mirrored cameras, before anybody is fitted          |
 //! | `astray.rs`      | a body that lies where the masks show nobody                      |
 //! | `agreeing.rs`    | what the cameras show that agree, for the search                  |
@@ -45,6 +46,7 @@ pub(super) mod figures;
 mod joint_misses;
 mod level;
 mod parts;
+mod poses;
 mod proportions;
 mod repeated;
 mod rods;
@@ -70,11 +72,12 @@ pub(super) use cause::camera_causes;
 pub use cause::{Cause, LensOff, Reason};
 pub(super) use cleared::Cleared;
 pub(super) use parts::AGREEING;
+pub use poses::other_pose_form;
 pub(super) use proportions::likeliest_scale;
 pub(super) use rods::WithoutRods;
 pub(super) use seen::Seen;
 pub(super) use stature::stature_m;
-pub use strangers::strangers;
+pub use strangers::{largest_people, strangers};
 pub(super) use swollen::Swollen;
 pub(super) use unusable::{LEAST_OVERLAP, LOST_SHARE, MOST_DISPLACED_M, lost_frames};
 pub use upright::HeadAxis;

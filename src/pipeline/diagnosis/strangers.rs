@@ -7,6 +7,12 @@ use crate::silhouette::{Detection, FrameObservations, FramePeople, Keypoint};
 
 /// The cameras whose pictures are exchanged or mirrored, as the largest person of each picture tells it.
 pub fn strangers(rig: &Rig, frames: &[FramePeople]) -> Vec<Cause> {
+    let causes = camera_causes(rig, &CameraFaults::of(rig, &largest_people(frames)));
+    causes.into_iter().filter(|cause| cause.wrong_pictures(rig) > 0).collect()
+}
+
+/// What is seen of the largest person of each picture.
+pub fn largest_people(frames: &[FramePeople]) -> Vec<FrameObservations> {
     let largest = |(id, people): &(CameraId, Vec<Vec<Keypoint>>)| {
         let people = people.iter().cloned().filter_map(Detection::new);
         let person = people.max_by(|a, b| a.size_px.total_cmp(&b.size_px));
@@ -16,9 +22,7 @@ pub fn strangers(rig: &Rig, frames: &[FramePeople]) -> Vec<Cause> {
         detections: frame.pictures.iter().filter_map(largest).collect(),
         ..FrameObservations::nothing(frame.frame)
     };
-    let observed: Vec<FrameObservations> = frames.iter().map(observed).collect();
-    let causes = camera_causes(rig, &CameraFaults::of(rig, &observed));
-    causes.into_iter().filter(|cause| cause.wrong_pictures(rig) > 0).collect()
+    frames.iter().map(observed).collect()
 }
 
 #[cfg(test)]

@@ -18,6 +18,8 @@ pub(super) struct Group {
     /// Positions among the people of all pictures of the frame, ascending.
     pub(super) members: Vec<usize>,
     pub(super) joints: Joints,
+    /// The mean d of its pairs.
+    pub(super) miss: f64,
 }
 
 /// The people of a frame, those whom most pictures agree about first.
@@ -30,8 +32,8 @@ pub(super) fn groups(rig: &Rig, people: &[Seen]) -> Vec<Group> {
         if grown.is_empty() {
             return groups;
         }
-        grown.sort_by(|a, b| b.0.total_cmp(&a.0));
-        for (_, mut members) in grown {
+        grown.sort_by(|a, b| trust(b).total_cmp(&trust(a)));
+        for (miss, mut members) in grown {
             if members.iter().any(|member| taken[*member]) {
                 continue;
             }
@@ -39,14 +41,19 @@ pub(super) fn groups(rig: &Rig, people: &[Seen]) -> Vec<Group> {
             members.sort_unstable();
             let seen = |member: &usize| (people[*member].camera, people[*member].detection.clone());
             let detections: Vec<_> = members.iter().map(seen).collect();
-            groups.extend(Joints::new(rig, &detections).map(|joints| Group { members, joints }));
+            let joints = Joints::new(rig, &detections);
+            groups.extend(joints.map(|joints| Group { members, joints, miss }));
         }
     }
 }
 
-/// From each pair of people who are free, the group that it grows to, and how far it can be trusted: Σ over its members of how much less
-/// than the limit they miss each other, on the mean. A pair may agree by chance, as two cameras that face each other do about two people on
-/// one line; who is seen by more cameras is not.
+/// How far a group with this mean d can be trusted: Σ over its members of how much less than the limit they miss each other. A pair may agree
+/// by chance, as two cameras that face each other do about two people on one line; who is seen by more cameras is not.
+fn trust((miss, members): &(f64, Vec<usize>)) -> f64 {
+    members.len() as f64 * (MISS - miss)
+}
+
+/// From each pair of people who are free, the group that it grows to, and its mean d.
 fn grown(misses: &[Vec<Option<f64>>], people: &[Seen], taken: &[bool]) -> Vec<(f64, Vec<usize>)> {
     let free = || (0..people.len()).filter(|i| !taken[*i]);
     let pairs = free().flat_map(|i| free().take_while(move |j| *j < i).map(move |j| (i, j)));
@@ -58,8 +65,7 @@ fn grown(misses: &[Vec<Option<f64>>], people: &[Seen], taken: &[bool]) -> Vec<(f
         }
         let pairs = members.iter().flat_map(|a| members.iter().map(move |b| (*a, *b)));
         let all = pairs.filter(|(a, b)| b < a).map(|(a, b)| misses[a][b]);
-        let mean = mean(all.flatten())?;
-        Some((members.len() as f64 * (MISS - mean), members))
+        Some((mean(all.flatten())?, members))
     };
     pairs.filter_map(grow).collect()
 }

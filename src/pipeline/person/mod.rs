@@ -26,8 +26,10 @@
 //! from multiple views*. The limits: E.
 
 mod groups;
+mod scale;
 mod tracks;
 
+pub use scale::other_scale;
 pub(super) use tracks::tracks;
 
 use std::cmp::Reverse;

@@ -125,3 +125,33 @@ fn a_camera_that_looks_elsewhere_is_named_and_nobody_is_found_where_no_two_agree
     assert!(found.detections.iter().all(|(_, seen)| seen.is_empty()));
     assert_eq!(found.beside.pictures, 20);
 }
+
+#[test]
+fn detections_of_pictures_of_another_size_are_told_with_their_scale() {
+    let (mut rig, frames) = recording(1);
+    assert_eq!(other_scale(&rig, &frames), None);
+    for scale in [0.5, 4.0 / 3.0, 2.0, 3.0] {
+        let told = other_scale(&rig, &smaller(&frames, scale));
+        assert_eq!(told, Some(scale));
+    }
+
+    // of two cameras, too
+    rig.cameras.truncate(2);
+    let of_two = |mut frame: FramePeople| {
+        frame.pictures.truncate(2);
+        frame
+    };
+    let frames: Vec<FramePeople> = frames.into_iter().map(of_two).collect();
+    assert_eq!(other_scale(&rig, &frames), None);
+    assert_eq!(other_scale(&rig, &smaller(&frames, 2.0)), Some(2.0));
+}
+
+/// What is seen in pictures that are so many times as small.
+fn smaller(frames: &[FramePeople], scale: f64) -> Vec<FramePeople> {
+    let mut frames = frames.to_vec();
+    let people = frames.iter_mut().flat_map(|frame| &mut frame.pictures);
+    for keypoint in people.flat_map(|(_, people)| people).flatten() {
+        keypoint.pixel /= scale;
+    }
+    frames
+}

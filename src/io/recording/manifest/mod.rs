@@ -5,6 +5,7 @@
 //! calibration = "calibration.toml"   # or { cam1 = "cam1/config.xml", cam2 = "cam2/config.xml" }
 //! unit = "m"                         # of the calibration: m | mm
 //! up = "z"                           # of the calibration's world: z | -z | y | -y
+//! poses = "world-to-camera"          # of the calibration: see `PoseForm`
 //! body = "human-ellipsoids"          # a shipped model or a path
 //! height_m = 1.80                    # of the person, without shoes
 //! [[camera]]
@@ -17,7 +18,7 @@
 //! files name the cameras.
 //!
 //! Per camera also `images`, `video`, `background`, `detections`, `offset_frames` and `start_s`; for the recording `points`,
-//! `points_unit`, `keypoints` and `start`.
+//! `points_unit`, `keypoints`, `detections_scale` and `start`.
 //! Paths are relative to the file. All keys but a camera's `name` are optional: what is missing is looked for where a
 //! folder without manifest has it.
 
@@ -31,7 +32,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use toml::de::{DeTable, DeValue};
 
-use crate::camera::UpAxis;
+use crate::camera::{PoseForm, UpAxis};
 use crate::io::calibration::Unit;
 use crate::io::recording::RecordingError;
 use crate::io::unknown_key::{UnknownKey, line_of};
@@ -44,11 +45,13 @@ const KEYS: &[&str] = &[
     "calibration",
     "unit",
     "up",
+    "poses",
     "body",
     "height_m",
     "points",
     "points_unit",
     "keypoints",
+    "detections_scale",
     "start",
     "camera",
     "masks",
@@ -72,6 +75,8 @@ pub(crate) struct Manifest {
     pub unit: Option<Unit>,
     /// Which axis of the calibration's world points up.
     pub up: UpAxis,
+    /// What the calibration's rotations and translations mean.
+    pub poses: PoseForm,
     /// A shipped body model or the path of one.
     pub body: Option<String>,
     /// The person's height without shoes, metres.
@@ -82,6 +87,8 @@ pub(crate) struct Manifest {
     pub points_unit: Option<Unit>,
     /// The set of points of the detections; `None`: by the number of their points.
     pub keypoints: Option<String>,
+    /// How many of the calibration's pixels one pixel of the detections is; 1 if left out.
+    pub detections_scale: Option<f64>,
     /// Reserved for a known start pose.
     pub start: Option<toml::Value>,
     /// [`CameraFiles::masks`] of each camera that has none of its own; `{camera}` is replaced by its name.
@@ -136,6 +143,8 @@ pub(crate) struct CameraFiles {
 
 /// When a camera may begin: also on a clock that counts seconds from 1970.
 const MOST_START_S: RangeInclusive<f64> = -1e10..=1e10;
+/// From pictures of a hundredth of the calibration's size to those of a hundred times it.
+const DETECTIONS_SCALES: RangeInclusive<f64> = 0.01..=100.0;
 pub(crate) const MOST_OFFSET: RangeInclusive<f64> = -1e10..=1e10;
 
 impl CameraFiles {
@@ -178,6 +187,7 @@ impl Manifest {
         manifest.check_fps(text, table.get_ref(), path)?;
         manifest.check_names(path)?;
         manifest.check_clocks(path)?;
+        manifest.check_scale(path)?;
         Ok(manifest)
     }
 
@@ -216,6 +226,15 @@ impl Manifest {
             }
         }
         Ok(())
+    }
+
+    fn check_scale(&self, path: &Path) -> Result<(), RecordingError> {
+        match self.detections_scale {
+            Some(scale) if !DETECTIONS_SCALES.contains(&scale) => {
+                Err(RecordingError::DetectionsScale { path: path.into(), scale })
+            }
+            _ => Ok(()),
+        }
     }
 
     fn check_names(&self, path: &Path) -> Result<(), RecordingError> {
