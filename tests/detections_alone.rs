@@ -252,7 +252,7 @@ fn detections_of_pictures_of_half_the_size_are_read_with_their_scale() {
 #[test]
 fn poses_from_the_camera_to_the_world_are_told_and_read_as_the_manifest_says() {
     let walker = walker();
-    let folder = project(&walker, text_of(&walker));
+    let folder = project(&walker, text_of_one(&walker));
     let mut inverse = walker.rig.clone();
     for camera in &mut inverse.cameras {
         camera.camera_from_world = camera.camera_from_world.inverse();

@@ -229,18 +229,16 @@ fn searched(
     options: &EstimateOptions,
     journal: &WatchedJournal<'_>,
 ) -> Result<Search, FitError> {
-    let (model, rig, observations) = (evidence.model, evidence.rig, sequence.frames);
-    let causes = || Seen { model, rig, faults, observations }.causes();
-    if let Some(miss_m) = faults.hopeless_m() {
-        return Err(FitError::Apart { miss_m, causes: causes() });
-    }
-
     let is_joint = options.joint.is_some();
     let agreeing = is_joint.then(|| faults.agreeing(sequence.frames, options.free())).flatten();
     let agreeing = Sequence { frames: agreeing.as_deref().unwrap_or(sequence.frames), ..sequence };
     let found = search(evidence, agreeing, &options.search, journal);
     journal.progress.end();
-    found.ok_or_else(|| FitError::NoHypothesis { frames: observations.len(), causes: causes() })
+    found.ok_or_else(|| {
+        let (model, rig, observations) = (evidence.model, evidence.rig, sequence.frames);
+        let causes = Seen { model, rig, faults, observations }.causes();
+        FitError::NoHypothesis { frames: observations.len(), causes }
+    })
 }
 
 /// What became of each hypothesis.

@@ -156,17 +156,6 @@ pub enum FitError {
         "points can only be compared with the skin of metaballs: leave --likelihood out, or use metaballs"
     )]
     PointsOnEllipses,
-    /// Cameras of which no body can be seen by all.
-    #[error(
-        "what the cameras show misses each other by {:.0} mm on the mean, wherever a person is taken to stand{}",
-        1e3 * miss_m, because(causes)
-    )]
-    Apart {
-        /// By how much, metres.
-        miss_m: f64,
-        /// What is wrong with the recording, if that is known.
-        causes: Vec<Cause>,
-    },
     /// No hypothesis could be followed through the sequence.
     #[error("no hypothesis could be followed through the {frames} frames{}", because(causes))]
     NoHypothesis {

@@ -1,9 +1,12 @@
-//! Whether the poses of a calibration are those of the pictures, before a body is sought: in another form, or not at all.
+//! Whether the poses of a calibration are written in another form than they are read in, before a body is sought.
 //!
 //! Cameras that are all put elsewhere by one formula see nothing in common, or something that no body is. By how much silhouettes
 //! [miss each other](super::coherence) needs no body: the poses are tried in each [`PoseForm`], and one with which all agree is told.
+//!
+//! Read from the world to the camera, the cameras of an even ring that were written the other way all stand in one place. Just before it lines of
+//! sight meet, whatever they show. So a form that puts cameras much farther apart and with which all agree is told, too, and none that puts them into
+//! one place.
 
-use super::cameras::CameraFaults;
 use super::coherence::{MOST_M, Scene};
 use crate::camera::{Camera, PoseForm, Rig, UpAxis};
 use crate::math::stats::mean;
@@ -11,28 +14,31 @@ use crate::silhouette::FrameObservations;
 
 /// Silhouettes that miss each other by more are not those of a person, or the cameras are elsewhere, metres.
 const APART_M: f64 = 0.05;
-/// From here on nobody needs to be sought: ten right rigs have .2 to 7 mm, poses that are wrong by a formula 60 to 270 mm.
-const HOPELESS_M: f64 = 0.1;
-/// The other form leaves at most this share of it.
+/// The other form leaves at most this share of it, or of the limit.
 const LEFT: f64 = 0.2;
+/// Cameras that another form puts so many times as far apart stand in one place.
+const FARTHER: f64 = 4.0;
 
 /// The form in which the calibration must be written, if it is surely not that of our own poses; `up` is the axis of its world.
 pub fn other_pose_form(rig: &Rig, up: UpAxis, frames: &[FrameObservations]) -> Option<PoseForm> {
-    let miss_m = |form: PoseForm| miss_m(&read_as(rig, up, form), frames);
-    let found = miss_m(PoseForm::default());
-    if found < APART_M {
-        return None;
-    }
+    let (found, span) = (miss_m(rig, frames), span_m(rig));
+    let other = |form: PoseForm| {
+        let other = read_as(rig, up, form);
+        let other_span = span_m(&other);
+        let is_doubted = found > APART_M || other_span > FARTHER * span;
+        let is_one_place = other_span < span / FARTHER;
+        (is_doubted && !is_one_place).then(|| (miss_m(&other, frames), form))
+    };
     let others = PoseForm::ALL.into_iter().filter(|form| *form != PoseForm::default());
-    let all = others.map(|form| (miss_m(form), form)).filter(|(miss, _)| *miss < LEFT * found);
-    all.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, form)| form)
+    let agreeing = others.filter_map(other).filter(|(miss, _)| *miss < LEFT * found.max(APART_M));
+    agreeing.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, form)| form)
 }
 
-impl CameraFaults {
-    /// By how much the silhouettes still miss each other, where that leaves no hope for any body.
-    pub(in crate::pipeline) fn hopeless_m(&self) -> Option<f64> {
-        (self.left_m > HOPELESS_M).then_some(self.left_m)
-    }
+/// How far apart the two cameras stand that are farthest from each other, metres.
+fn span_m(rig: &Rig) -> f64 {
+    let places: Vec<_> = rig.cameras.iter().map(Camera::centre_world).collect();
+    let pairs = places.iter().flat_map(|a| places.iter().map(move |b| (a - b).norm()));
+    pairs.fold(0.0, f64::max)
 }
 
 /// The mean over the cameras of what they miss the others by; one that sees nothing of what others see misses all of it.
