@@ -4,6 +4,8 @@
 //! nearest to each other before both, at a point that both see near their silhouette. Only pixels are compared, so
 //! this holds in every unit of length; the unit shows in how large the silhouettes are where the cameras agree.
 
+use nalgebra::Point2;
+
 use super::diagnosis::{CameraFaults, camera_causes};
 use super::{Cause, FitError, Warning};
 use crate::body::{BodyModel, Motion, Posed, Shape};
@@ -110,6 +112,7 @@ fn odd_cameras(rig: &Rig, frames: &[&FrameObservations]) -> Vec<CameraId> {
     for frame in frames {
         for (k, (i, a)) in frame.views.iter().enumerate() {
             for (j, b) in &frame.views[..k] {
+                let (a, b) = (Place::of(a), Place::of(b));
                 let agree = agree((&rig.cameras[i.0], a), (&rig.cameras[j.0], b));
                 for camera in [i.0, j.0] {
                     meetings[camera] += 1;
@@ -123,11 +126,25 @@ fn odd_cameras(rig: &Rig, frames: &[&FrameObservations]) -> Vec<CameraId> {
     (0..count).filter(is_odd).map(CameraId).collect()
 }
 
-fn agree(a: (&Camera, &Silhouette), b: (&Camera, &Silhouette)) -> bool {
-    let rays = [a, b].map(|(camera, silhouette)| camera.ray(&silhouette.centroid));
+/// Where a picture shows somebody: the middle, and the least and the largest pixel.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    pub(super) middle: Point2<f64>,
+    pub(super) bounds: (Point2<f64>, Point2<f64>),
+}
+
+impl Place {
+    pub(super) fn of(silhouette: &Silhouette) -> Self {
+        Self { middle: silhouette.centroid, bounds: silhouette.bounds }
+    }
+}
+
+/// Whether two cameras see somebody at one place.
+pub(super) fn agree(a: (&Camera, Place), b: (&Camera, Place)) -> bool {
+    let rays = [a, b].map(|(camera, place)| camera.ray(&place.middle));
     closest_point(&rays).is_some_and(|point| {
-        [a, b].iter().all(|(camera, silhouette)| {
-            let (low, high) = silhouette.bounds;
+        [a, b].iter().all(|(camera, place)| {
+            let (low, high) = place.bounds;
             let margin = (high - low) * 0.5;
             camera.project_undistorted(&point).is_some_and(|pixel| {
                 let (low, high) = (low - margin, high + margin);

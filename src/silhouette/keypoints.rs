@@ -37,10 +37,7 @@ pub struct FramePeople {
 impl Detection {
     /// Of keypoints whose person's silhouette is not known; `None` without any.
     pub fn new(keypoints: Vec<Keypoint>) -> Option<Self> {
-        let first = keypoints.first()?.pixel;
-        let (low, high) = keypoints
-            .iter()
-            .fold((first, first), |(low, high), k| (low.inf(&k.pixel), high.sup(&k.pixel)));
+        let (low, high) = bounds(&keypoints)?;
         let size = high - low;
         // a person is wider than the joints of one who stands straight and is seen from the side
         let narrowest = size.max() / SLENDER;
@@ -48,10 +45,20 @@ impl Detection {
         (size_px > 0.0).then_some(Self { keypoints, size_px })
     }
 
+    /// The least and the largest pixel of the keypoints.
+    pub fn bounds(&self) -> Option<(Point2<f64>, Point2<f64>)> {
+        bounds(&self.keypoints)
+    }
+
     /// The keypoint of a name.
     pub fn keypoint(&self, name: &str) -> Option<&Keypoint> {
         self.keypoints.iter().find(|keypoint| keypoint.name == name)
     }
+}
+
+fn bounds(keypoints: &[Keypoint]) -> Option<(Point2<f64>, Point2<f64>)> {
+    let pixels = keypoints.iter().map(|keypoint| (keypoint.pixel, keypoint.pixel));
+    pixels.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)))
 }
 
 /// How far keypoints lie from where a body has them, undistorted px; of those that it has, and that are before the camera.

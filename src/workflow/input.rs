@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::derived::Derived;
-use super::mistakes::{check_beside_masks, check_poses};
+use super::mistakes::{check_detections, check_poses};
 use super::{Error, FitOptions, detections};
 use crate::body::BodyModel;
 use crate::inference::Sequence;
@@ -58,20 +58,25 @@ impl FitInput {
             None if detections::stand_alone(&files, fit_to) => {
                 detections::load(recording, &mut files, options, derived.progress)?
             }
-            None => vec![load(&files, options, derived.progress)?],
+            None => {
+                let seen = load(&files, options, derived.progress)?;
+                check_poses(recording, &files.rig, &seen)?;
+                if fit_to == FitTo::All && files.has_detections() {
+                    check_detections(&files, &seen)?;
+                }
+                vec![seen]
+            }
         };
         let others = people.split_off(1);
         let observations = people.remove(0);
         files.notes.extend(files.notes_on(&observations));
         let has_detections = observations.iter().any(|frame| !frame.detections.is_empty());
-        if fit_to == FitTo::All && files.has_detections() {
-            check_beside_masks(&files, &observations)?;
-            files.notes.extend((!has_detections).then_some(Note::NobodyDetected));
+        if fit_to == FitTo::All && files.has_detections() && !has_detections {
+            files.notes.push(Note::NobodyDetected);
         }
         if files.has_points() && !fits_points(&model, options.estimate.measure) {
             files.notes.push(Note::PointsUnfitted { body: model.name.clone() });
         }
-        check_poses(recording, &files.rig, &observations)?;
         check_scene(&model, &files.rig, &observations)?;
 
         let named = files.rig.names().zip(&files.beginnings);

@@ -19,23 +19,23 @@ pub(super) fn check_poses(
     form.map_or(Ok(()), |form| Err(FitError::PosesWritten { form }))
 }
 
-/// Where most detections are not of the person whom the masks show: whether they may be of pictures of the calibrated size.
-pub(super) fn check_beside_masks(
+/// Where most masks have no detection of the person whom they show: whether detections may be of pictures of the calibrated size.
+pub(super) fn check_detections(
     files: &ObservationFiles,
     observed: &[FrameObservations],
 ) -> Result<(), Error> {
     let step = observed.len().div_ceil(SAMPLED).max(1);
     let sampled = || observed.iter().step_by(step);
+    let used: usize = sampled().map(|seen| seen.detections.len()).sum();
+    let masks: usize = sampled().map(|seen| seen.views.len()).sum();
+    if 2 * used >= masks {
+        return Ok(());
+    }
+
     let positions = sampled().filter_map(|seen| files.frames.iter().position(|f| *f == seen.frame));
     let people: Vec<FramePeople> =
         positions.map(|position| files.load_people(position)).collect::<Result<_, _>>()?;
-
-    let used: usize = sampled().map(|seen| seen.detections.len()).sum();
-    let pictures: usize = people.iter().map(|frame| frame.pictures.len()).sum();
-    match 2 * used < pictures {
-        true => Ok(check_scale(&files.rig, &people)?),
-        false => Ok(()),
-    }
+    Ok(check_scale(&files.rig, &people)?)
 }
 
 /// Whether the detections may be of pictures of the calibrated size.

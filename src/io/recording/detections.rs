@@ -106,8 +106,12 @@ impl DetectionFiles {
         let folders = folders(recording, rig)?;
         let count = rig.cameras.len();
         let scale = recording.manifest.detections_scale;
-        let (cameras_of, tables) = (vec![BTreeMap::new(); count], vec![None; count]);
-        let mut found = Self { cameras: cameras_of, tables, set: None, scale };
+        let mut found = Self {
+            cameras: vec![BTreeMap::new(); count],
+            tables: vec![None; count],
+            set: None,
+            scale,
+        };
         let mut seen = Vec::new();
         for (camera, pattern) in folders {
             let Some((id, calibrated)) = rig.by_name(&camera) else { continue };

@@ -1,9 +1,9 @@
 //! Whether detections were made from pictures of another size than the calibration's.
 //!
-//! A detector that was given pictures of half the size says half the pixels: x′ = x/q, q = 2. Lines of sight to one joint then pass each other,
-//! or meet about people that nobody is. So people are [grouped](super) with their pixels times each q of a list. At the right one lines of sight meet,
-//! and Σ n·(0.1 − mean d), over the groups of n people in which d is less, is greatest. Pixels are scaled after the lens's distortion was taken from them, which is wrong by
-//! a few pixels at the border of the picture: enough to tell a half from a whole.
+//! A detector that was given pictures of half the size says half the pixels: x′ = x/q, q = 2. Lines of sight to one joint then pass each
+//! other, or meet about people that nobody is. So people are [grouped](super) with their pixels times each q of a list. At the right one
+//! lines of sight meet, and Σ n·(0.1 − mean d), over the groups of n people in which d is less, is greatest. Pixels are scaled after the lens's
+//! distortion was taken from them, which is wrong by a few pixels at the border of the picture: enough to tell a half from a whole.
 //!
 //! # Source
 //! The list holds the ratios of usual sizes of pictures (2160, 1440, 1080, 720, 540, 480, 360 rows). The limits: E.
@@ -43,7 +43,14 @@ pub fn other_scale(rig: &Rig, frames: &[FramePeople]) -> Option<f64> {
     let sampled: Vec<&FramePeople> = frames.iter().step_by(step).collect();
     let pictures: usize = sampled.iter().map(|frame| frame.pictures.len()).sum();
 
+    let people: usize =
+        sampled.iter().flat_map(|f| &f.pictures).map(|(_, people)| people.len()).sum();
+
+    // no other scale can be so much better if all people meet well enough as they are
     let least = SURELY * Meeting::new(rig, &sampled, 1.0).sum;
+    if least >= MEETING * people as f64 {
+        return None;
+    }
     let others = SCALES.par_iter().map(|&scale| (Meeting::new(rig, &sampled, scale), scale));
     let surely = others.filter(|(m, _)| m.sum > least && 2 * m.members >= pictures);
     let best = surely.max_by(|a, b| a.0.sum.total_cmp(&b.0.sum));
