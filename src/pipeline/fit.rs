@@ -108,6 +108,7 @@ pub(super) fn estimated(
     let measures = measures(model, sequence.frames, options)?;
     let evidence = Evidence::new(model, rig, options.likelihood, measures.search);
     let faults = CameraFaults::of(rig, sequence.frames);
+    faults.check(rig, sequence.frames)?;
     let shown = rig_as_shown(rig, &faults, options);
     let coarse = Evidence::new(model, &shown, options.likelihood, measures.search);
     let found = searched(&coarse, &faults, sequence, options, &journal)?;
@@ -133,6 +134,7 @@ fn stages(
     // 2. Algorithm 1, before the cameras that agree
     let measures = measures(model, sequence.frames, options)?;
     let faults = CameraFaults::of(rig, sequence.frames);
+    faults.check(rig, sequence.frames)?;
     let shown = rig_as_shown(rig, &faults, options);
     let coarse = Evidence::new(model, &shown, options.likelihood, measures.search);
     let found = searched(&coarse, &faults, sequence, options, journal)?;

@@ -129,8 +129,19 @@ pub enum FitError {
         cameras: Vec<String>,
     },
     /// Cameras that look elsewhere, and why.
-    #[error("the cameras do not see one scene: {0}")]
-    Cameras(Cause),
+    #[error("the cameras do not see one scene: {}", joined(.0))]
+    Cameras(Vec<Cause>),
+    /// Cameras that see nothing in common, however their pictures are read.
+    #[error(
+        "no two cameras see one scene: even the outlines of {} and {} miss each other by {:.0} cm; is the calibration that of these recordings, and its rotations in radians?",
+        cameras[0], cameras[1], 100.0 * miss_m
+    )]
+    NoTwoAgree {
+        /// The two that miss each other least.
+        cameras: [String; 2],
+        /// By how much, m.
+        miss_m: f64,
+    },
     /// Nobody is so tall.
     #[error(
         "masks or points show something {seen_m:.3} m large, the body {body} is {body_m:.2} m: check unit in sequence.toml (m or mm), and the body"
@@ -168,11 +179,15 @@ pub enum FitError {
 
 /// What is wrong, or where to look.
 fn because(causes: &[Cause]) -> String {
-    let causes: Vec<String> = causes.iter().map(ToString::to_string).collect();
     match causes.is_empty() {
         true => ": look at the masks, and check `up` and the calibration".to_owned(),
-        false => format!(": {}", causes.join("; ")),
+        false => format!(": {}", joined(causes)),
     }
+}
+
+fn joined(causes: &[Cause]) -> String {
+    let causes: Vec<String> = causes.iter().map(ToString::to_string).collect();
+    causes.join("; ")
 }
 
 fn listed(cameras: &[String]) -> String {

@@ -66,7 +66,8 @@ fn numbered(frames: &[FrameObservations]) -> Result<(), FitError> {
 fn named(fault: FitError, rig: &Rig, frames: &[FrameObservations]) -> FitError {
     let causes = camera_causes(rig, &CameraFaults::of(rig, frames)).into_iter();
     let is_displaced = |cause: &Cause| matches!(cause, Cause::Displaced { .. });
-    causes.filter(|cause| !is_displaced(cause)).map(FitError::Cameras).next().unwrap_or(fault)
+    let causes: Vec<Cause> = causes.filter(|cause| !is_displaced(cause)).collect();
+    if causes.is_empty() { fault } else { FitError::Cameras(causes) }
 }
 
 fn seen_by_two(rig: &Rig, frames: &[FrameObservations]) -> Result<(), FitError> {

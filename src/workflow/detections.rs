@@ -73,8 +73,10 @@ fn check(found: &Person, files: &ObservationFiles, people: &[FramePeople]) -> Re
     let is_found = found.detections.iter().any(|(_, seen)| seen.len() >= 2);
     let frames = people.len();
     if !is_found || !found.beside.cameras.is_empty() {
-        let mut causes = strangers(&files.rig, people).into_iter();
-        causes.next().map_or(Ok(()), |cause| Err(FitError::Cameras(cause)))?;
+        let causes = strangers(&files.rig, people);
+        if !causes.is_empty() {
+            return Err(FitError::Cameras(causes));
+        }
     }
     match (is_found || files.has_points(), found.beside.pictures) {
         (true, _) => Ok(()),

@@ -1,10 +1,14 @@
-//! Which cameras do not show what the others show, and why: exchanged, mirrored, late, or elsewhere.
+//! Which cameras do not show what the others show, and why: exchanged, flipped, late, or elsewhere.
 //!
 //! Each hypothesis reads the pictures in another way ([`Reading`]); the one under which the silhouettes miss each other least
 //! is the cause, if it explains as much as leaving the camera out does. A camera that no other reading explains, and without
 //! which the others agree, is elsewhere than its calibration says. What was found is applied, and the search goes on.
 
-use super::coherence::{Misses, Reading, Scene};
+use super::coherence::Scene;
+use super::hypotheses::{
+    EXPLAINED, Hypothesis, Now, Trial, exchanged, flipped, present, raced, shifted, zoomed,
+};
+use super::reading::{Flip, Reading};
 use crate::camera::{CameraId, Rig};
 use crate::math::stats::median;
 use crate::silhouette::FrameObservations;
@@ -12,10 +16,10 @@ use crate::silhouette::FrameObservations;
 /// What is wrong with a camera or two.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum CameraFault {
-    /// All pictures show left for right.
-    AllMirrored,
-    /// The pictures of one camera show left for right.
-    Mirrored(CameraId),
+    /// All pictures are flipped.
+    AllFlipped(Flip),
+    /// The pictures of one camera are flipped.
+    Flipped(CameraId, Flip),
     /// The pictures of two cameras are exchanged.
     Exchanged(CameraId, CameraId),
     /// A camera shows the person so many frames late; negative: early.
@@ -69,100 +73,10 @@ impl CameraFaults {
     }
 }
 
-/// A hypothesis must leave less than this share of the misses, …
-const EXPLAINED: f64 = 0.6;
-/// … a shift in time, which comes in all sizes, less than this, …
-const EXPLAINED_BY_TIME: f64 = 0.85;
-/// … and in this share of the frames less than before.
-const IN_FRAMES: f64 = 0.8;
 /// Faults of cameras that leave less than this share of the misses are all there is.
 const NEARLY_ALL: f64 = 0.3;
-/// The focal lengths that are tried, as shares of the calibrated ones.
-const ZOOMS: [f64; 10] = [0.7, 0.8, 0.87, 0.91, 0.95, 1.05, 1.1, 1.15, 1.25, 1.4];
 /// Rounds in which several late clocks settle at most.
 const SETTLING_ROUNDS: usize = 4;
-/// The shifts in time that are tried first, frames; the best is then refined.
-const SHIFTS: [isize; 8] = [1, 2, 3, 5, 8, 12, 18, 25];
-
-/// Of other ways to read the pictures, so many that a few frames speak for are looked at in all.
-const RACED: usize = 3;
-
-/// The silhouettes as they are read so far, and how they miss each other.
-struct Now {
-    readings: Vec<Option<Reading>>,
-    misses: Misses,
-    few_misses: Misses,
-}
-
-impl Now {
-    fn new(scene: &Scene<'_>, readings: Vec<Option<Reading>>) -> Self {
-        let (misses, few_misses) = (scene.misses(&readings), scene.few_misses(&readings));
-        Self { readings, misses, few_misses }
-    }
-
-    /// The readings with another one of a camera that is there.
-    fn with(&self, camera: usize, change: impl Fn(&mut Reading)) -> Vec<Option<Reading>> {
-        let mut readings = self.readings.clone();
-        readings[camera].iter_mut().for_each(change);
-        readings
-    }
-}
-
-/// Another way to read the pictures.
-struct Hypothesis {
-    fault: CameraFault,
-    readings: Vec<Option<Reading>>,
-}
-
-impl Hypothesis {
-    /// The share of the misses that it leaves in a few frames; `None` where that is more than there was, or too few frames can be
-    /// compared.
-    fn few_left(&self, scene: &Scene<'_>, now: &Now) -> Option<f64> {
-        let (left, _) = scene.few_misses(&self.readings).share_of(&now.few_misses)?;
-        (left <= 1.0).then_some(left)
-    }
-
-    /// What it leaves in all frames that are looked at; `None` where too few can be compared.
-    fn tried(self, scene: &Scene<'_>, now: &Now) -> Option<Trial> {
-        let (left, fewer_in) = scene.misses(&self.readings).share_of(&now.misses)?;
-        Some(Trial { fault: self.fault, readings: self.readings, left, fewer_in })
-    }
-}
-
-/// Those that leave the least: all are looked at in a few frames, and in all frames only the first of them.
-fn raced(scene: &Scene<'_>, now: &Now, hypotheses: Vec<Hypothesis>) -> Vec<Trial> {
-    let few = |hypothesis: Hypothesis| Some((hypothesis.few_left(scene, now)?, hypothesis));
-    let mut sorted: Vec<(f64, Hypothesis)> = hypotheses.into_iter().filter_map(few).collect();
-    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let first = sorted.into_iter().take(RACED);
-    first.filter_map(|(_, hypothesis)| hypothesis.tried(scene, now)).collect()
-}
-
-/// A hypothesis and what it leaves.
-struct Trial {
-    fault: CameraFault,
-    readings: Vec<Option<Reading>>,
-    /// The share of the misses that is left.
-    left: f64,
-    /// The share of the frames that miss less.
-    fewer_in: f64,
-}
-
-impl Trial {
-    /// Whether the hypothesis leaves much less than there was, and in nearly every frame.
-    fn explains(&self) -> bool {
-        let share = match self.fault {
-            CameraFault::Late(..) => EXPLAINED_BY_TIME,
-            _ => EXPLAINED,
-        };
-        self.left < share && self.fewer_in >= IN_FRAMES
-    }
-
-    fn order(a: &Self, b: &Self) -> std::cmp::Ordering {
-        a.left.total_cmp(&b.left)
-    }
-}
-
 /// What is wrong with the cameras, the greatest first; nothing where the silhouettes agree.
 fn camera_faults(scene: &Scene<'_>) -> CameraFaults {
     let mut now = Now::new(scene, scene.plain());
@@ -234,7 +148,8 @@ fn next_fault(scene: &Scene<'_>, now: &Now) -> Option<Trial> {
     };
 
     // other ways to read the pictures
-    let mut hypotheses = rearranged(now);
+    let mut hypotheses = flipped(now);
+    hypotheses.extend(exchanged(now));
     hypotheses.extend(zoomed(now, &suspects));
     let mut trials = raced(scene, now, hypotheses);
     trials.extend(suspects.iter().filter_map(|camera| shifted(scene, now, *camera)));
@@ -251,10 +166,6 @@ fn next_fault(scene: &Scene<'_>, now: &Now) -> Option<Trial> {
         }
         (best, odd) => best.or(odd),
     }
-}
-
-fn present(now: &Now) -> impl Iterator<Item = usize> {
-    now.readings.iter().enumerate().filter(|(_, r)| r.is_some()).map(|(i, _)| i)
 }
 
 /// Leaves out each camera; nothing with fewer than four, for the two that are left agree about nearly anything.
@@ -282,56 +193,6 @@ fn odd_one(scene: &Scene<'_>, without: Vec<Trial>, now: &Now) -> Option<Trial> {
     is_odd.then_some(first)
 }
 
-/// Mirrored and exchanged pictures.
-fn rearranged(now: &Now) -> Vec<Hypothesis> {
-    let mirror = |r: &mut Reading| r.mirrored = !r.mirrored;
-    let mut all = now.readings.clone();
-    all.iter_mut().flatten().for_each(mirror);
-
-    let mut hypotheses = vec![Hypothesis { fault: CameraFault::AllMirrored, readings: all }];
-    for i in present(now) {
-        let fault = CameraFault::Mirrored(CameraId(i));
-        hypotheses.push(Hypothesis { fault, readings: now.with(i, mirror) });
-        for j in present(now).take_while(|j| *j < i) {
-            let mut readings = now.readings.clone();
-            readings.swap(i, j);
-            let fault = CameraFault::Exchanged(CameraId(j), CameraId(i));
-            hypotheses.push(Hypothesis { fault, readings });
-        }
-    }
-    hypotheses
-}
-
-/// Other focal lengths, of all cameras and of each that is suspected.
-fn zoomed(now: &Now, suspects: &[usize]) -> Vec<Hypothesis> {
-    let all = |by: &f64| {
-        let mut readings = now.readings.clone();
-        readings.iter_mut().flatten().for_each(|r| r.zoom *= by);
-        Hypothesis { fault: CameraFault::AllZoomed(*by), readings }
-    };
-    let one = |camera: usize, by: f64| Hypothesis {
-        fault: CameraFault::Zoomed(CameraId(camera), by),
-        readings: now.with(camera, |r| r.zoom *= by),
-    };
-    let each = suspects.iter().flat_map(|camera| ZOOMS.map(|by| one(*camera, by)));
-    ZOOMS.iter().map(all).chain(each).collect()
-}
-
-/// The shift of a camera's clock under which it agrees best with the others.
-fn shifted(scene: &Scene<'_>, now: &Now, camera: usize) -> Option<Trial> {
-    let own = now.readings[camera]?;
-    let at = |by: isize| Hypothesis {
-        fault: CameraFault::Late(CameraId(camera), own.late + by),
-        readings: now.with(camera, |r| r.late += by),
-    };
-    let few_left = |by: isize| Some((by, at(by).few_left(scene, now)?));
-    let order = |a: &(isize, f64), b: &(isize, f64)| a.1.total_cmp(&b.1);
-
-    let coarse = SHIFTS.iter().flat_map(|by| [*by, -by]).filter_map(few_left).min_by(order)?;
-    let around = (coarse.0 - 3..=coarse.0 + 3).filter(|by| *by != 0);
-    raced(scene, now, around.map(at).collect()).into_iter().min_by(Trial::order)
-}
-
 impl CameraFault {
     fn is_of_lens(&self) -> bool {
         matches!(self, Self::AllZoomed(_) | Self::Zoomed(..))
@@ -340,20 +201,23 @@ impl CameraFault {
     /// The camera, of faults of one.
     pub(super) fn camera(self) -> Option<usize> {
         match self {
-            Self::Mirrored(id)
+            Self::Flipped(id, _)
             | Self::Late(id, _)
             | Self::Zoomed(id, _)
             | Self::Elsewhere { camera: id, .. } => Some(id.0),
-            Self::AllMirrored | Self::AllZoomed(_) | Self::Exchanged(..) => None,
+            Self::AllFlipped(_) | Self::AllZoomed(_) | Self::Exchanged(..) => None,
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use nalgebra::Vector3;
 
     use super::*;
+    use crate::camera::Camera;
     use crate::math::Rigid3;
     use crate::pipeline::diagnosis::figures::{late, walker as recording};
 
@@ -383,6 +247,19 @@ mod tests {
         let is_elsewhere =
             |f: &CameraFault| matches!(f, CameraFault::Elsewhere { camera: CameraId(1), .. });
         assert!(found.len() == 1 && is_elsewhere(&found[0]), "{found:?}");
+
+        // one that hangs, and all
+        let hangs = |camera: &mut Camera| {
+            camera.camera_from_world =
+                Rigid3::rotation(Vector3::z() * PI) * camera.camera_from_world;
+        };
+        let mut hanging = rig.clone();
+        hangs(&mut hanging.cameras[1]);
+        let found = faults(&hanging, &frames);
+        assert_eq!(found, [CameraFault::Flipped(CameraId(1), Flip::UpsideDown)]);
+        let mut hanging = rig.clone();
+        hanging.cameras.iter_mut().for_each(hangs);
+        assert_eq!(faults(&hanging, &frames), [CameraFault::AllFlipped(Flip::UpsideDown)]);
 
         // one late by three frames
         assert_eq!(faults(&rig, &late(&frames, 1, 3)), [CameraFault::Late(CameraId(1), 3)]);

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::cameras::{CameraFault, CameraFaults};
+use super::reading::Flip;
 use super::upright::HeadAxis;
 use crate::camera::{CameraId, Rig};
 use crate::pipeline::{CameraQuality, PoseFound};
@@ -109,6 +110,13 @@ pub enum Cause {
     AllMirrored,
     /// The pictures of a camera show left for right.
     Mirrored {
+        /// Its name.
+        camera: String,
+    },
+    /// All pictures are turned by half a turn.
+    AllUpsideDown,
+    /// The pictures of a camera are turned by half a turn.
+    UpsideDown {
         /// Its name.
         camera: String,
     },
@@ -291,8 +299,8 @@ impl Cause {
     /// How many cameras do not show what they would.
     pub(super) fn wrong_pictures(&self, rig: &Rig) -> usize {
         match self {
-            Self::AllMirrored => rig.cameras.len(),
-            Self::Mirrored { .. } => 1,
+            Self::AllMirrored | Self::AllUpsideDown => rig.cameras.len(),
+            Self::Mirrored { .. } | Self::UpsideDown { .. } => 1,
             Self::Exchanged { .. } => 2,
             _ => 0,
         }
@@ -345,8 +353,10 @@ fn found_lenses(cameras: &[CameraQuality]) -> Vec<Cause> {
 
 fn camera_cause(rig: &Rig, fault: CameraFault) -> Cause {
     match fault {
-        CameraFault::AllMirrored => Cause::AllMirrored,
-        CameraFault::Mirrored(id) => Cause::Mirrored { camera: name(rig, id) },
+        CameraFault::AllFlipped(Flip::Mirrored) => Cause::AllMirrored,
+        CameraFault::AllFlipped(Flip::UpsideDown) => Cause::AllUpsideDown,
+        CameraFault::Flipped(id, Flip::Mirrored) => Cause::Mirrored { camera: name(rig, id) },
+        CameraFault::Flipped(id, Flip::UpsideDown) => Cause::UpsideDown { camera: name(rig, id) },
         CameraFault::Exchanged(a, b) => Cause::Exchanged { cameras: [name(rig, a), name(rig, b)] },
         CameraFault::Late(id, frames) => Cause::Late { camera: name(rig, id), frames },
         CameraFault::AllZoomed(zoom) => Cause::FocalLengths { lens: LensOff::roughly(zoom) },

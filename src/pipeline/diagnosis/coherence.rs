@@ -9,12 +9,13 @@
 //!
 //! (d_b: pixels outside the silhouette of b, z_b: depth, f_b: focal length) is 0 for any body if cameras, clocks and masks are
 //! right (silhouette coherence: Hernández, Schmitt & Cipolla, PAMI 2007). Its mean over border points, cameras and frames
-//! compares hypotheses about a recording that no body needs to be fitted for: [`Reading`]s.
+//! compares hypotheses about a recording that no body needs to be fitted for: [`Reading`]s of its pictures.
 
 use nalgebra::{Point2, Point3};
 use rayon::prelude::*;
 
 use super::joint_misses::{self, Sighted, as_read};
+use super::reading::Reading;
 use super::{detected_by_two, shown_by_two};
 use crate::camera::{Camera, CameraId, Ray, Rig, closest_point};
 use crate::math::stats::mean;
@@ -39,47 +40,6 @@ const STEP_M: f64 = 0.04;
 pub(super) const MOST_M: f64 = 0.3;
 /// What so many of the cameras that could see it see is there: of three others all, for two of them agree about many places.
 pub(super) const NEARLY_ALL: f64 = 0.75;
-
-/// How the pictures of a camera are read: as they are, or by a hypothesis.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Reading {
-    /// The camera whose pictures these are.
-    pub(super) camera: CameraId,
-    /// By how many frames they are late.
-    pub(super) late: isize,
-    /// Whether left and right are exchanged in them.
-    pub(super) mirrored: bool,
-    /// The true focal length over the calibrated one.
-    pub(super) zoom: f64,
-}
-
-impl Reading {
-    /// As they are.
-    pub(super) fn plain(camera: CameraId) -> Self {
-        Self { camera, late: 0, mirrored: false, zoom: 1.0 }
-    }
-
-    /// Where the picture shows what the calibration puts at a pixel.
-    fn shown(&self, camera: &Camera, calibrated: Point2<f64>) -> Point2<f64> {
-        let middle = principal_point(camera);
-        self.unmirrored(camera, middle + (calibrated - middle) * self.zoom)
-    }
-
-    /// Where the calibration would put what the picture shows at a pixel.
-    pub(super) fn calibrated(&self, camera: &Camera, shown: Point2<f64>) -> Point2<f64> {
-        let middle = principal_point(camera);
-        middle + (self.unmirrored(camera, shown) - middle) / self.zoom
-    }
-
-    fn unmirrored(&self, camera: &Camera, pixel: Point2<f64>) -> Point2<f64> {
-        let last = f64::from(camera.width_px) - 1.0;
-        if self.mirrored { Point2::new(last - pixel.x, pixel.y) } else { pixel }
-    }
-}
-
-fn principal_point(camera: &Camera) -> Point2<f64> {
-    Point2::new(camera.intrinsics.cx_px, camera.intrinsics.cy_px)
-}
 
 /// The recording that hypotheses are about.
 #[derive(Debug, Clone)]
@@ -145,6 +105,11 @@ impl<'a> Scene<'a> {
             true => (detected_by_two(frames, DETECTED_FRAMES), Shows::Joints),
         };
         Self { rig, frames, sampled, shows }
+    }
+
+    /// Whether outlines are compared, and not joints.
+    pub(super) fn shows_outlines(&self) -> bool {
+        self.shows == Shows::Outlines
     }
 
     /// What misses each other by less agrees, metres.

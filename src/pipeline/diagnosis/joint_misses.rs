@@ -9,7 +9,7 @@
 //! metres, the camera misses the others: σ is what published labels scatter by, for detectors that are well miss each other by as much. A joint about which the
 //! others do not agree counts as missed altogether.
 
-use super::coherence::Reading;
+use super::reading::{Flip, Reading};
 use crate::body::Side;
 use crate::camera::{Camera, CameraId, Rig};
 use crate::inference::joints::Joints;
@@ -27,7 +27,8 @@ pub(super) type Sighted = (CameraId, Detection);
 pub(super) fn as_read(camera: &Camera, detection: &Detection, reading: &Reading) -> Detection {
     let keypoint = |keypoint: &Keypoint| {
         let pixel = reading.calibrated(camera, keypoint.pixel);
-        let mirrored = Side::mirrored(keypoint.name).filter(|_| reading.mirrored);
+        let is_mirrored = reading.flip == Some(Flip::Mirrored);
+        let mirrored = Side::mirrored(keypoint.name).filter(|_| is_mirrored);
         let name = mirrored.and_then(|name| SIDED.into_iter().find(|known| *known == name));
         Keypoint { pixel, name: name.unwrap_or(keypoint.name), ..*keypoint }
     };
@@ -140,6 +141,6 @@ mod tests {
                 }
             }
         }
-        assert_eq!(faults(&rig, &frames), [CameraFault::Mirrored(CameraId(2))]);
+        assert_eq!(faults(&rig, &frames), [CameraFault::Flipped(CameraId(2), Flip::Mirrored)]);
     }
 }

@@ -9,9 +9,12 @@
 //! | `text.rs`        | all of it in plain words                                          |
 //! | `coherence.rs`   | whether the silhouettes agree, whatever body they show            |
 //! | `joint_misses.rs` | the same of detections, where there are no silhouettes           |
-//! | `cameras.rs`     | exchanged, mirrored, late, zoomed and displaced cameras           |
+//! | `reading.rs`     | how the pictures of a camera are read                             |
+//! | `hypotheses.rs`  | other ways to read them, and what each explains                   |
+//! | `cameras.rs`     | exchanged, flipped, late, zoomed and displaced cameras            |
 //! | `poses.rs`       | poses that are written in another form, before anybody is fitted  |
-//! | `strangers.rs`   | exchanged and mirrored cameras, before anybody is fitted          |
+//! | `senseless.rs`   | what no search makes sense of, before anybody is fitted           |
+//! | `strangers.rs`   | exchanged and flipped cameras, before anybody is fitted           |
 //! | `astray.rs`      | a body that lies where the masks show nobody                      |
 //! | `agreeing.rs`    | what the cameras show that agree, for the search                  |
 //! | `cleared.rs`     | what of the masks can be used: without the five below             |
@@ -43,15 +46,18 @@ mod coherence;
 mod cropped;
 #[cfg(test)]
 pub(super) mod figures;
+mod hypotheses;
 mod joint_misses;
 mod level;
 mod parts;
 mod poses;
 mod proportions;
+mod reading;
 mod repeated;
 mod rods;
 mod room;
 mod seen;
+mod senseless;
 mod shadows;
 mod stature;
 mod strangers;

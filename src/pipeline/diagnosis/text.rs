@@ -49,7 +49,10 @@ impl fmt::Display for Reason {
                 )
             }
             Self::WrongPictures { found, .. } => {
-                write!(f, "the pictures of {found:.0} cameras are those of others, or mirrored")
+                write!(
+                    f,
+                    "the pictures of {found:.0} cameras are those of others, mirrored or upside down"
+                )
             }
             Self::ThinParts { found, least } => {
                 write!(
@@ -99,6 +102,12 @@ impl fmt::Display for Cause {
             }
             Self::Mirrored { camera } => {
                 write!(f, "{camera} is mirrored: exchange left and right in its pictures")
+            }
+            Self::AllUpsideDown => {
+                write!(f, "all pictures are upside down: turn them by half a turn")
+            }
+            Self::UpsideDown { camera } => {
+                write!(f, "{camera} is upside down: turn its pictures by half a turn")
             }
             Self::Exchanged { cameras: [a, b] } => {
                 write!(f, "{a} and {b} are exchanged: each has the other's files or calibration")

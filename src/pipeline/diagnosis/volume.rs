@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::coherence::Reading;
+use super::reading::Reading;
 use super::shown_by_two;
 use crate::body::Posed;
 use crate::camera::{Ray, Rig, closest_point};

@@ -88,6 +88,12 @@ fn cameras() -> Vec<Damage> {
         damage("camera 2 mirrored", "is mirrored", |r| {
             r.with_masks(|_, c, m| Some(if c == 1 { mirrored(m) } else { m.clone() }))
         }),
+        damage("all upside down", "all pictures are upside down", |r| {
+            r.with_masks(|_, _, m| Some(upside_down(m)))
+        }),
+        damage("camera 2 upside down", "is upside down", |r| {
+            r.with_masks(|_, c, m| Some(if c == 1 { upside_down(m) } else { m.clone() }))
+        }),
         damage("camera 2 moved by 10 cm", "was touched", |r| moved(r, 1, |c| shift(c, 0.1))),
         damage("camera 2 moved by 30 cm", "was touched", |r| moved(r, 1, |c| shift(c, 0.3))),
         damage("camera 2 turned by 1°", "was touched", move |r| moved(r, 1, turned(1.0))),
@@ -330,6 +336,12 @@ fn kept(mask: &Mask, is_kept: impl Fn(usize, usize) -> bool) -> Mask {
 fn mirrored(mask: &Mask) -> Mask {
     let last = mask.width() - 1;
     Mask::from_fn(mask.width(), mask.height(), |x, y| mask.is_foreground(last - x, y))
+}
+
+fn upside_down(mask: &Mask) -> Mask {
+    let (right, bottom) = (mask.width() - 1, mask.height() - 1);
+    let shown = |x, y| mask.is_foreground(right - x, bottom - y);
+    Mask::from_fn(mask.width(), mask.height(), shown)
 }
 
 fn joined(a: &Mask, b: &Mask) -> Mask {
