@@ -13,7 +13,7 @@ use crate::solver::{Options, Problem, levenberg_marquardt};
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrackOptions {
-    /// Iterations per frame; four are enough at gait's frame rates.
+    /// Iterations per frame at most: a walker at 50 frames a second needs two to four, at 10 or 15, or who runs, more.
     pub iterations: usize,
     /// What mᵢ is expected to be.
     pub motion_model: MotionModel,
@@ -23,7 +23,7 @@ pub struct TrackOptions {
 
 impl Default for TrackOptions {
     fn default() -> Self {
-        Self { iterations: 4, motion_model: MotionModel::ConstantPosition, recovery_ratio: 3.0 }
+        Self { iterations: 12, motion_model: MotionModel::ConstantPosition, recovery_ratio: 3.0 }
     }
 }
 

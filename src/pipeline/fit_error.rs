@@ -133,12 +133,12 @@ pub enum FitError {
     Cameras(Vec<Cause>),
     /// Cameras that see nothing in common, however their pictures are read.
     #[error(
-        "no two cameras see one scene: even the outlines of {} and {} miss each other by {:.0} cm; is the calibration that of these recordings, and its rotations in radians?",
-        cameras[0], cameras[1], 100.0 * miss_m
+        "the cameras do not see one scene: even the outlines of {}, which agree best, miss each other by {:.0} cm; is the calibration that of these recordings, and its rotations in radians?",
+        listed(cameras), 100.0 * miss_m
     )]
-    NoTwoAgree {
-        /// The two that miss each other least.
-        cameras: [String; 2],
+    NoneAgree {
+        /// Those that miss each other least.
+        cameras: Vec<String>,
         /// By how much, m.
         miss_m: f64,
     },
