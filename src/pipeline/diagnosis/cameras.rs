@@ -6,7 +6,7 @@
 
 use super::coherence::Scene;
 use super::hypotheses::{
-    EXPLAINED, Hypothesis, Now, Trial, exchanged, flipped, present, raced, shifted, zoomed,
+    ENOUGH, EXPLAINED, Hypothesis, Now, Trial, exchanged, flipped, present, raced, shifted, zoomed,
 };
 use super::reading::{Flip, Reading};
 use crate::camera::{CameraId, Rig};
@@ -168,9 +168,9 @@ fn next_fault(scene: &Scene<'_>, now: &Now) -> Option<Trial> {
     }
 }
 
-/// Leaves out each camera; nothing with fewer than four, for the two that are left agree about nearly anything.
+/// Leaves out each camera, where that leaves enough.
 fn left_out(scene: &Scene<'_>, now: &Now) -> Vec<Trial> {
-    if present(now).count() < 4 {
+    if present(now).count() < ENOUGH {
         return Vec::new();
     }
     let without = |camera: usize| {

@@ -11,6 +11,8 @@ pub(super) const EXPLAINED: f64 = 0.6;
 const EXPLAINED_BY_TIME: f64 = 0.85;
 /// … and in this share of the frames less than before.
 const IN_FRAMES: f64 = 0.8;
+/// With fewer cameras a picture of another place may look flipped, and the two that are left without one agree about nearly anything.
+pub(super) const ENOUGH: usize = 4;
 /// The focal lengths that are tried, as shares of the calibrated ones.
 const ZOOMS: [f64; 10] = [0.7, 0.8, 0.87, 0.91, 0.95, 1.05, 1.1, 1.15, 1.25, 1.4];
 /// The shifts in time that are tried first, frames; the best is then refined.
@@ -126,7 +128,8 @@ pub(super) fn flipped(now: &Now) -> Vec<Hypothesis> {
         fault: CameraFault::Flipped(CameraId(camera), flip),
         readings: now.with(camera, |r| r.flip = Some(flip)),
     };
-    let each = present(now).flat_map(|camera| Flip::ALL.map(|flip| one(camera, flip)));
+    let flips = if present(now).count() < ENOUGH { &[Flip::Mirrored][..] } else { &Flip::ALL[..] };
+    let each = present(now).flat_map(|camera| flips.iter().map(move |flip| one(camera, *flip)));
     Flip::ALL.into_iter().map(all).chain(each).collect()
 }
 

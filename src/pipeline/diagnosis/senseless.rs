@@ -9,6 +9,7 @@ use std::iter::once;
 use super::cameras::{CameraFault, CameraFaults};
 use super::cause::camera_causes;
 use super::coherence::{MOST_M, Scene};
+use super::hypotheses::ENOUGH;
 use crate::camera::Rig;
 use crate::pipeline::FitError;
 use crate::silhouette::FrameObservations;
@@ -16,6 +17,8 @@ use crate::silhouette::FrameObservations;
 /// All cameras together miss each other by more where none sees what another does, metres: half of what is missed altogether. What masks
 /// hold besides a person is missed, too, so the person's own borders must be.
 const APART_M: f64 = 0.5 * MOST_M;
+/// Flipped pictures of right cameras miss each other by less once they are read so, metres.
+const AGREEING_M: f64 = 0.01;
 /// Cameras that miss each other by less, two by two, may see one scene, metres; …
 const TOGETHER_M: f64 = 0.05;
 /// … of so many cameras two may do so by chance, and one must agree with most.
@@ -31,10 +34,13 @@ impl CameraFaults {
         rig: &Rig,
         frames: &[FrameObservations],
     ) -> Result<(), FitError> {
-        let is_flipped = |fault: &CameraFault| {
-            matches!(fault, CameraFault::AllFlipped(_) | CameraFault::Flipped(..))
+        let is_plainly_flipped = |fault: &CameraFault| match fault {
+            CameraFault::AllFlipped(_) => true,
+            CameraFault::Flipped(..) => rig.cameras.len() >= ENOUGH,
+            _ => false,
         };
-        if self.faults.iter().any(is_flipped) && self.explain_nearly_all() {
+        let explains = self.explain_nearly_all() && self.left_m < AGREEING_M;
+        if explains && self.faults.iter().any(is_plainly_flipped) {
             return Err(FitError::Cameras(camera_causes(rig, self)));
         }
 
