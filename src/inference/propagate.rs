@@ -13,7 +13,7 @@ use crate::solver::{Options, Problem, levenberg_marquardt};
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrackOptions {
-    /// Iterations per frame at most: a walker at 50 frames a second needs two to four, at 10 or 15, or who runs, more.
+    /// Iterations per frame at most: four are enough for a walk at 50 frames a second, and not at 10 or 15.
     pub iterations: usize,
     /// What mᵢ is expected to be.
     pub motion_model: MotionModel,

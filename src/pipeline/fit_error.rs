@@ -1,6 +1,7 @@
 //! Why nothing could be fitted.
 
 use super::Cause;
+use super::diagnosis::joined;
 use super::scene::MOST_EMPTY_FRAMES;
 use crate::camera::PoseForm;
 use crate::silhouette::{FrameIndex, InvalidOption, Rejected};
@@ -183,11 +184,6 @@ fn because(causes: &[Cause]) -> String {
         true => ": look at the masks, and check `up` and the calibration".to_owned(),
         false => format!(": {}", joined(causes)),
     }
-}
-
-fn joined(causes: &[Cause]) -> String {
-    let causes: Vec<String> = causes.iter().map(ToString::to_string).collect();
-    causes.join("; ")
 }
 
 fn listed(cameras: &[String]) -> String {

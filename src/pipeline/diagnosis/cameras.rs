@@ -77,6 +77,7 @@ impl CameraFaults {
 const NEARLY_ALL: f64 = 0.3;
 /// Rounds in which several late clocks settle at most.
 const SETTLING_ROUNDS: usize = 4;
+
 /// What is wrong with the cameras, the greatest first; nothing where the silhouettes agree.
 fn camera_faults(scene: &Scene<'_>) -> CameraFaults {
     let mut now = Now::new(scene, scene.plain());
@@ -143,7 +144,7 @@ fn next_fault(scene: &Scene<'_>, now: &Now) -> Option<Trial> {
     let mut without: Vec<Trial> = left_out(scene, now);
     without.sort_by(Trial::order);
     let suspects: Vec<usize> = match without.as_slice() {
-        [] => present(now).collect(),
+        [] => present(&now.readings).collect(),
         sorted => sorted.iter().take(2).filter_map(|t| t.fault.camera()).collect(),
     };
 
@@ -160,7 +161,7 @@ fn next_fault(scene: &Scene<'_>, now: &Now) -> Option<Trial> {
     match (best, odd) {
         (Some(best), Some(odd)) => {
             // one camera less leaves less to miss, with four by far
-            let looser = if present(now).count() > 4 { 1.5 } else { 3.5 };
+            let looser = if present(&now.readings).count() > 4 { 1.5 } else { 3.5 };
             let floor = looser * odd.left.max(0.25 * scene.quiet_m() / now.misses.mean_m());
             Some(if best.left <= floor { best } else { odd })
         }
@@ -170,7 +171,7 @@ fn next_fault(scene: &Scene<'_>, now: &Now) -> Option<Trial> {
 
 /// Leaves out each camera, where that leaves enough.
 fn left_out(scene: &Scene<'_>, now: &Now) -> Vec<Trial> {
-    if present(now).count() < ENOUGH {
+    if present(&now.readings).count() < ENOUGH {
         return Vec::new();
     }
     let without = |camera: usize| {
@@ -181,7 +182,7 @@ fn left_out(scene: &Scene<'_>, now: &Now) -> Vec<Trial> {
         let trial = Hypothesis { fault, readings }.tried(scene, now)?;
         (trial.left <= scene.most_left()).then_some(trial)
     };
-    present(now).filter_map(without).collect()
+    present(&now.readings).filter_map(without).collect()
 }
 
 /// The first of the sorted trials, if the others agree much better without its camera than without another.
@@ -212,14 +213,11 @@ impl CameraFault {
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::PI;
-
     use nalgebra::Vector3;
 
     use super::*;
-    use crate::camera::Camera;
     use crate::math::Rigid3;
-    use crate::pipeline::diagnosis::figures::{late, walker as recording};
+    use crate::pipeline::diagnosis::figures::{hang, late, walker as recording};
 
     fn faults(rig: &Rig, frames: &[FrameObservations]) -> Vec<CameraFault> {
         camera_faults(&Scene::new(rig, frames)).faults
@@ -249,16 +247,12 @@ mod tests {
         assert!(found.len() == 1 && is_elsewhere(&found[0]), "{found:?}");
 
         // one that hangs, and all
-        let hangs = |camera: &mut Camera| {
-            camera.camera_from_world =
-                Rigid3::rotation(Vector3::z() * PI) * camera.camera_from_world;
-        };
         let mut hanging = rig.clone();
-        hangs(&mut hanging.cameras[1]);
+        hang(&mut hanging.cameras[1]);
         let found = faults(&hanging, &frames);
         assert_eq!(found, [CameraFault::Flipped(CameraId(1), Flip::UpsideDown)]);
         let mut hanging = rig.clone();
-        hanging.cameras.iter_mut().for_each(hangs);
+        hanging.cameras.iter_mut().for_each(hang);
         assert_eq!(faults(&hanging, &frames), [CameraFault::AllFlipped(Flip::UpsideDown)]);
 
         // one late by three frames

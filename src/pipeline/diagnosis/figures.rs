@@ -1,5 +1,6 @@
 //! Persons who stand before a ring of cameras, for tests.
 
+use std::f64::consts::PI;
 use std::path::Path;
 
 use nalgebra::{Point3, Vector2, Vector3};
@@ -16,6 +17,7 @@ use crate::inference::Evidence;
 #[cfg(test)]
 use crate::io::model;
 use crate::likelihood::{LikelihoodOptions, Measure, label_sigma_px};
+use crate::math::Rigid3;
 use crate::pipeline::{CameraQuality, FittedFrame};
 use crate::render;
 use crate::silhouette::{
@@ -95,6 +97,11 @@ pub(in crate::pipeline) fn joined(a: &[Mask], b: &[Mask]) -> Vec<Mask> {
         Mask::from_fn(a.width(), a.height(), |x, y| a.is_foreground(x, y) || b.is_foreground(x, y))
     };
     a.iter().zip(b).map(both).collect()
+}
+
+/// Turns a camera by half a turn about its line of sight: its pictures are upside down then.
+pub(super) fn hang(camera: &mut Camera) {
+    camera.camera_from_world = Rigid3::rotation(Vector3::z() * PI) * camera.camera_from_world;
 }
 
 /// A walker before a ring of cameras.

@@ -101,14 +101,15 @@ impl Trial {
     }
 }
 
-pub(super) fn present(now: &Now) -> impl Iterator<Item = usize> {
-    now.readings.iter().enumerate().filter(|(_, r)| r.is_some()).map(|(i, _)| i)
+/// The cameras that are read.
+pub(super) fn present(readings: &[Option<Reading>]) -> impl Iterator<Item = usize> {
+    readings.iter().enumerate().filter(|(_, r)| r.is_some()).map(|(i, _)| i)
 }
 
 /// Exchanged pictures of two cameras.
 pub(super) fn exchanged(now: &Now) -> Vec<Hypothesis> {
-    let pairs =
-        present(now).flat_map(|i| present(now).take_while(move |j| *j < i).map(move |j| (i, j)));
+    let pairs = present(&now.readings)
+        .flat_map(|i| present(&now.readings).take_while(move |j| *j < i).map(move |j| (i, j)));
     let hypothesis = |(i, j): (usize, usize)| {
         let mut readings = now.readings.clone();
         readings.swap(i, j);
@@ -128,8 +129,13 @@ pub(super) fn flipped(now: &Now) -> Vec<Hypothesis> {
         fault: CameraFault::Flipped(CameraId(camera), flip),
         readings: now.with(camera, |r| r.flip = Some(flip)),
     };
-    let flips = if present(now).count() < ENOUGH { &[Flip::Mirrored][..] } else { &Flip::ALL[..] };
-    let each = present(now).flat_map(|camera| flips.iter().map(move |flip| one(camera, *flip)));
+    let flips = if present(&now.readings).count() < ENOUGH {
+        &[Flip::Mirrored][..]
+    } else {
+        &Flip::ALL[..]
+    };
+    let each =
+        present(&now.readings).flat_map(|camera| flips.iter().map(move |flip| one(camera, *flip)));
     Flip::ALL.into_iter().map(all).chain(each).collect()
 }
 

@@ -85,6 +85,7 @@ pub(super) use seen::Seen;
 pub(super) use stature::stature_m;
 pub use strangers::{largest_people, strangers};
 pub(super) use swollen::Swollen;
+pub(super) use text::joined;
 pub(super) use unusable::{LEAST_OVERLAP, LOST_SHARE, MOST_DISPLACED_M, lost_frames};
 pub use upright::HeadAxis;
 pub(super) use verdict::Diagnosis;

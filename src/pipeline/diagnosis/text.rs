@@ -10,6 +10,12 @@ use crate::pipeline::counted;
 const USED: &str = "taken into account";
 const NOT_USED: &str = "told, and not used: --cameras check";
 
+/// Causes in one line.
+pub(in crate::pipeline) fn joined(causes: &[Cause]) -> String {
+    let causes: Vec<String> = causes.iter().map(ToString::to_string).collect();
+    causes.join("; ")
+}
+
 impl Verdict {
     /// The headline of a fit that cannot be used.
     pub fn why_unusable(&self) -> Option<String> {
@@ -19,14 +25,12 @@ impl Verdict {
     /// The verdict in one line: why a fit cannot be used, and what is wrong. `None` where there is nothing to say.
     pub fn headline(&self) -> Option<String> {
         let reasons: Vec<String> = self.unusable.iter().map(ToString::to_string).collect();
-        let causes: Vec<String> = self.causes.iter().map(ToString::to_string).collect();
+        let causes = joined(&self.causes);
         match (reasons.is_empty(), causes.is_empty()) {
             (true, true) => None,
-            (true, false) => Some(causes.join("; ")),
+            (true, false) => Some(causes),
             (false, true) => Some(format!("not usable: {}", reasons.join(", "))),
-            (false, false) => {
-                Some(format!("not usable: {}. {}", reasons.join(", "), causes.join("; ")))
-            }
+            (false, false) => Some(format!("not usable: {}. {causes}", reasons.join(", "))),
         }
     }
 }
