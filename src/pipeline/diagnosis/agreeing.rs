@@ -1,6 +1,7 @@
 //! What the cameras show that agree: until the joint optimum finds out where and when the others are, the search looks at these.
 
-use super::cameras::{CameraFault, CameraFaults};
+use super::cameras::CameraFaults;
+use super::fault::CameraFault;
 use crate::camera::CameraId;
 use crate::inference::camera_prior::Free;
 use crate::silhouette::{FrameIndex, FrameObservations, numbered_anew};

@@ -5,36 +5,14 @@
 //! which the others agree, is elsewhere than its calibration says. What was found is applied, and the search goes on.
 
 use super::coherence::Scene;
+use super::fault::CameraFault;
 use super::hypotheses::{
     ENOUGH, EXPLAINED, Hypothesis, Now, Trial, exchanged, flipped, present, raced, shifted, zoomed,
 };
-use super::reading::{Flip, Reading};
+use super::reading::Reading;
 use crate::camera::{CameraId, Rig};
 use crate::math::stats::median;
 use crate::silhouette::FrameObservations;
-
-/// What is wrong with a camera or two.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum CameraFault {
-    /// All pictures are flipped.
-    AllFlipped(Flip),
-    /// The pictures of one camera are flipped.
-    Flipped(CameraId, Flip),
-    /// The pictures of two cameras are exchanged.
-    Exchanged(CameraId, CameraId),
-    /// A camera shows the person so many frames late; negative: early.
-    Late(CameraId, isize),
-    /// The focal lengths of all cameras are so many times the calibrated ones.
-    AllZoomed(f64),
-    /// The focal length of a camera is so many times the calibrated one.
-    Zoomed(CameraId, f64),
-    /// A camera shows the person elsewhere than the others do.
-    Elsewhere {
-        camera: CameraId,
-        /// By how much its outlines miss the others', m.
-        miss_m: f64,
-    },
-}
 
 /// What is wrong with all cameras together.
 #[derive(Debug, Clone)]
@@ -194,23 +172,6 @@ fn odd_one(scene: &Scene<'_>, without: Vec<Trial>, now: &Now) -> Option<Trial> {
     is_odd.then_some(first)
 }
 
-impl CameraFault {
-    fn is_of_lens(&self) -> bool {
-        matches!(self, Self::AllZoomed(_) | Self::Zoomed(..))
-    }
-
-    /// The camera, of faults of one.
-    pub(super) fn camera(self) -> Option<usize> {
-        match self {
-            Self::Flipped(id, _)
-            | Self::Late(id, _)
-            | Self::Zoomed(id, _)
-            | Self::Elsewhere { camera: id, .. } => Some(id.0),
-            Self::AllFlipped(_) | Self::AllZoomed(_) | Self::Exchanged(..) => None,
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use nalgebra::Vector3;
@@ -218,6 +179,7 @@ mod tests {
     use super::*;
     use crate::math::Rigid3;
     use crate::pipeline::diagnosis::figures::{hang, late, walker as recording};
+    use crate::pipeline::diagnosis::reading::Flip;
 
     fn faults(rig: &Rig, frames: &[FrameObservations]) -> Vec<CameraFault> {
         camera_faults(&Scene::new(rig, frames)).faults

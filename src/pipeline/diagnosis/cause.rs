@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::cameras::{CameraFault, CameraFaults};
+use super::cameras::CameraFaults;
+use super::fault::CameraFault;
 use super::reading::Flip;
 use super::upright::HeadAxis;
 use crate::camera::{CameraId, Rig};

@@ -1,7 +1,7 @@
 //! Other ways to read the pictures of a recording, and what each leaves of the silhouettes' misses.
 
-use super::cameras::CameraFault;
 use super::coherence::{Misses, Scene};
+use super::fault::CameraFault;
 use super::reading::{Flip, Reading};
 use crate::camera::CameraId;
 

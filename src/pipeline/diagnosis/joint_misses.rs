@@ -91,7 +91,7 @@ mod tests {
     use super::*;
     use crate::math::Rigid3;
     use crate::pipeline::diagnosis::CameraFaults;
-    use crate::pipeline::diagnosis::cameras::CameraFault;
+    use crate::pipeline::diagnosis::fault::CameraFault;
     use crate::pipeline::diagnosis::figures::{detected_walker, late};
     use crate::silhouette::FrameObservations;
 

@@ -9,6 +9,7 @@
 //! | `text.rs`        | all of it in plain words                                          |
 //! | `coherence.rs`   | whether the silhouettes agree, whatever body they show            |
 //! | `joint_misses.rs` | the same of detections, where there are no silhouettes           |
+//! | `fault.rs`       | what can be wrong with a camera                                   |
 //! | `reading.rs`     | how the pictures of a camera are read                             |
 //! | `hypotheses.rs`  | other ways to read them, and what each explains                   |
 //! | `cameras.rs`     | exchanged, flipped, late, zoomed and displaced cameras            |
@@ -44,6 +45,7 @@ mod cause;
 mod cleared;
 mod coherence;
 mod cropped;
+mod fault;
 #[cfg(test)]
 pub(super) mod figures;
 mod hypotheses;

@@ -6,9 +6,10 @@
 
 use std::iter::once;
 
-use super::cameras::{CameraFault, CameraFaults};
+use super::cameras::CameraFaults;
 use super::cause::camera_causes;
 use super::coherence::{MOST_M, Scene};
+use super::fault::CameraFault;
 use super::hypotheses::{ENOUGH, present};
 use crate::camera::Rig;
 use crate::pipeline::FitError;
