@@ -12,6 +12,8 @@ mod recovery;
 mod scene;
 #[path = "joint/session.rs"]
 mod session;
+#[path = "joint/shared.rs"]
+mod shared;
 #[path = "joint/trials.rs"]
 mod trials;
 #[path = "joint/unseen.rs"]

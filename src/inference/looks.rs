@@ -60,20 +60,20 @@ impl<'f> Look<'f> {
     }
 }
 
-/// What every frame shows outside of folds of the skin.
-pub(super) struct Outside<'f> {
+/// What every frame shows that tells what it shows.
+pub(super) struct ClearLooks<'f> {
     pub(super) looks: Vec<Vec<Look<'f>>>,
     pub(super) residuals: Vec<Vec<PlacedResidual>>,
 }
 
-impl<'f> Outside<'f> {
+impl<'f> ClearLooks<'f> {
     /// Of looks, frame by frame; `bodies` are as each sees them.
     pub(super) fn new(looks: &[Vec<&'f Look<'_>>], bodies: &[Posed<'_>]) -> Self {
         let all: Vec<&'f Look<'_>> = looks.iter().flatten().copied().collect();
-        let outside = all.par_iter().zip(bodies).map(|(look, body)| look.outside_folds(body));
-        let mut outside = outside.collect::<Vec<_>>().into_iter();
+        let clear = all.par_iter().zip(bodies).map(|(look, body)| look.clear(body));
+        let mut clear = clear.collect::<Vec<_>>().into_iter();
         let frame = |looks: &Vec<&Look<'_>>| {
-            let (looks, residuals): (_, Vec<_>) = outside.by_ref().take(looks.len()).unzip();
+            let (looks, residuals): (_, Vec<_>) = clear.by_ref().take(looks.len()).unzip();
             (looks, residuals.concat())
         };
         let (looks, residuals) = looks.iter().map(frame).unzip();
@@ -82,13 +82,13 @@ impl<'f> Outside<'f> {
 }
 
 impl Look<'_> {
-    /// The same of the data that do not lie in folds of the skin at a pose, and their residuals.
-    fn outside_folds(&self, body: &Posed<'_>) -> (Look<'_>, Vec<PlacedResidual>) {
+    /// The same of the data that tell what they show at a pose, and their residuals.
+    fn clear(&self, body: &Posed<'_>) -> (Look<'_>, Vec<PlacedResidual>) {
         let (mut terms, mut residuals): (Terms<'_>, Vec<_>) = (Vec::new(), Vec::new());
         for term in &self.terms {
-            let outside = term.outside_folds(body);
-            terms.push(outside.term.unwrap_or_else(|| Box::new(&**term)));
-            residuals.extend(outside.residuals.into_iter().map(|r| self.named(r)));
+            let clear = term.clear(body);
+            terms.push(clear.term.unwrap_or_else(|| Box::new(&**term)));
+            residuals.extend(clear.residuals.into_iter().map(|r| self.named(r)));
         }
         (Look { camera: self.camera, kind: self.kind, terms }, residuals)
     }

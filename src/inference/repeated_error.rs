@@ -123,7 +123,7 @@ mod tests {
     use crate::body::Shape;
     use crate::inference::camera_prior::CameraPrior;
     use crate::inference::contrasts::Contrasts;
-    use crate::inference::looks::Outside;
+    use crate::inference::looks::ClearLooks;
     use crate::inference::motion_prior::MotionPrior;
     use crate::inference::noise::{DataWeights, Noise};
     use crate::inference::prior::ShapePrior;
@@ -156,7 +156,7 @@ mod tests {
             contrasts: &Contrasts::none(3),
         };
         let noise =
-            Noise::from_residuals(&Outside::new(&looks, &posterior.bodies(&state)).residuals);
+            Noise::from_residuals(&ClearLooks::new(&looks, &posterior.bodies(&state)).residuals);
         assert!(noise.staying_share() > 0.1, "{noise:?}");
 
         // H as an optimum has it, and its priors

@@ -16,15 +16,17 @@
 
 use nalgebra::{Matrix3x4, SVector, Vector2, Vector3};
 
+use super::clear::{self, Divided};
 use super::ellipse_distance::{EllipseDistance, OutlineEllipse};
 use super::ellipse_sums::EllipseSums;
 use super::ellipse_view::EllipseView;
 use super::ellipsoid_surface::EllipsoidSurface;
-use super::folds::{self, Divided, EllipsoidFolds};
+use super::folds::EllipsoidFolds;
 use super::offset_row::OffsetRow;
+use super::shared_border::{SharedBorder, WITHIN};
 use super::union::{NearEllipses, nearest, smooth_union};
-use super::{OutsideFolds, PlacedResidual, Source, Term};
-use crate::body::{EllipsoidJacobians, Layout, Posed};
+use super::{Clear, PlacedResidual, Source, Term};
+use crate::body::{EllipsoidJacobians, Layout, PartId, Posed};
 use crate::math::quadric::{Ellipsoid, ProjectionJacobian, project, project_with_jacobian};
 use crate::solver::{Loss, NormalEquations};
 
@@ -211,17 +213,31 @@ impl<'a> EllipseSilhouette<'a> {
         residuals
     }
 
-    /// The border points, divided by whether they lie in folds of a body.
+    /// The border points, divided by whether they tell what they show.
     fn divided(&self, body: &Posed<'_>) -> Divided {
         let ellipsoids = body.ellipsoids();
         let surface = EllipsoidSurface::new(body, &ellipsoids);
-        let folds = EllipsoidFolds::new(body);
-        let mut divided = Divided { outside: Vec::new(), inside: Vec::new() };
+        let (folds, shared) = (EllipsoidFolds::new(body), SharedBorder::new(body.model));
+        let mut divided = Divided { clear: Vec::new(), unclear: Vec::new() };
         for (source, view) in self.views.iter().enumerate() {
+            let (ellipses, _) = project_all(&view.projection, &ellipsoids);
+            let reach_px = WITHIN * self.sigma_px(view);
+            let is_shared = |point: usize, part: PartId| {
+                let x = &view.points[point];
+                let is_near = |ellipse: &OutlineEllipse| {
+                    !ellipse.is_farther_than(reach_px, x)
+                        && ellipse.distance(x, self.options.distance).0 < reach_px
+                };
+                let mut others = body.model.ellipsoids.iter().zip(&ellipses);
+                shared.may_be_of(part)
+                    && others.any(|(other, ellipse)| {
+                        shared.is_of(part, other.part) && ellipse.as_ref().is_some_and(is_near)
+                    })
+            };
             for (point, residual) in self.view_residuals(source, view, &ellipsoids, &surface) {
-                match folds.contain(&residual) {
-                    true => divided.inside.push((residual.source, point)),
-                    false => divided.outside.push(residual),
+                match folds.contain(&residual) || is_shared(point, residual.part) {
+                    true => divided.unclear.push((residual.source, point)),
+                    false => divided.clear.push(residual),
                 }
             }
         }
@@ -354,12 +370,12 @@ impl Term for EllipseSilhouette<'_> {
             .collect()
     }
 
-    fn outside_folds(&self, body: &Posed<'_>) -> OutsideFolds<'_> {
-        let Divided { outside, inside } = self.divided(body);
+    fn clear(&self, body: &Posed<'_>) -> Clear<'_> {
+        let Divided { clear, unclear } = self.divided(body);
         let views = self.views.iter().enumerate();
-        let kept = views.map(|(i, view)| folds::kept(Source::View(i), view.len(), &inside));
+        let kept = views.map(|(i, view)| clear::kept(Source::View(i), view.len(), &unclear));
         let only = || -> Box<dyn Term + '_> { Box::new(self.only(&kept.collect::<Vec<_>>())) };
-        OutsideFolds { residuals: outside, term: (!inside.is_empty()).then(only) }
+        Clear { residuals: clear, term: (!unclear.is_empty()).then(only) }
     }
 }
 

@@ -16,8 +16,7 @@
 
 use nalgebra::Vector3;
 
-use super::skin_term::{SkinTerm, SkinTouch};
-use super::{PlacedResidual, Source};
+use super::PlacedResidual;
 use crate::body::metaball::{Field, FieldSample};
 use crate::body::{BodyModel, PartId, Posed};
 
@@ -28,16 +27,20 @@ const SHARE: f64 = 0.01;
 const FOLD_M: f64 = 0.085;
 
 /// The folds of a body of metaballs.
-struct Folds<'a> {
+pub(super) struct Folds<'a> {
     model: &'a BodyModel,
     field: &'a Field,
     /// The two parts of each.
     pairs: Vec<(PartId, PartId)>,
 }
 
-impl Folds<'_> {
+impl<'a> Folds<'a> {
+    pub(super) fn new(model: &'a BodyModel, field: &'a Field) -> Self {
+        Self { model, field, pairs: model.folds() }
+    }
+
     /// Whether a place lies in one.
-    fn contain(&self, sample: &FieldSample) -> bool {
+    pub(super) fn contain(&self, sample: &FieldSample) -> bool {
         let share_of = |part: PartId| -> f64 {
             let is_own = |ball: usize| {
                 self.field.source(ball).is_some_and(|i| self.model.metaballs[i].part == part)
@@ -73,40 +76,6 @@ impl EllipsoidFolds {
     }
 }
 
-/// The data of a term, divided by whether they lie in folds of a body.
-pub(super) struct Divided {
-    /// Residuals of the data outside.
-    pub(super) outside: Vec<PlacedResidual>,
-    /// The data inside: of which source, and their position in it.
-    pub(super) inside: Vec<(Source, usize)>,
-}
-
-impl Divided {
-    /// Divides the data of a term.
-    pub(super) fn new(term: &impl SkinTerm, body: &Posed<'_>) -> Self {
-        let field = Field::from_body(body);
-        let folds = Folds { model: body.model, field: &field, pairs: body.model.folds() };
-        let mut divided = Self { outside: Vec::new(), inside: Vec::new() };
-        term.touches(body, &field, &term.scale(body, &field), |touch, sample| {
-            if folds.contain(sample) {
-                divided.inside.push((touch.source, touch.index));
-            } else {
-                let touch = SkinTouch::new(touch, sample);
-                divided.outside.extend(touch.placed(body, &field, term.loss()));
-            }
-        });
-        divided
-    }
-}
-
-/// Of so many data of a source those that do not lie in folds.
-pub(super) fn kept(source: Source, count: usize, folded: &[(Source, usize)]) -> Vec<usize> {
-    let mut is_kept = vec![true; count];
-    let own = folded.iter().filter(|(from, _)| *from == source);
-    own.for_each(|(_, index)| is_kept[*index] = false);
-    (0..count).filter(|&i| is_kept[i]).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use std::path::Path;
@@ -115,7 +84,7 @@ mod tests {
 
     use super::*;
     use crate::body::{Motion, Shape};
-    use crate::likelihood::{PointField, PointOptions, SkinScale, SurfacePoint, Term};
+    use crate::likelihood::{PointField, PointOptions, SkinScale, Source, SurfacePoint, Term};
 
     /// How many of the points on a line along the right leg's front a term keeps, from a height to another above the knee.
     fn kept_between(model: &BodyModel, low_m: f64, high_m: f64) -> usize {
@@ -130,9 +99,9 @@ mod tests {
         };
         let points = (0..10).map(point).collect();
         let term = PointField::new(points, PointOptions::default(), SkinScale::new(model));
-        let outside = term.outside_folds(&body);
-        let left = outside.term.map_or(10, |term| term.placed_residuals(&body).len());
-        assert_eq!(outside.residuals.len(), left);
+        let clear = term.clear(&body);
+        let left = clear.term.map_or(10, |term| term.placed_residuals(&body).len());
+        assert_eq!(clear.residuals.len(), left);
         left
     }
 
@@ -171,13 +140,5 @@ mod tests {
         assert!(folds_at("thigh_r", 0.05) && folds_at("shank_r", -0.05));
         assert!(!folds_at("thigh_r", 0.07) && !folds_at("shank_r", -0.07));
         assert!(!folds_at("thigh_l", 0.05) && !folds_at("foot_r", 0.0));
-    }
-
-    #[test]
-    fn of_each_source_only_its_own_data_are_left_out() {
-        let folded = [(Source::View(0), 1), (Source::View(1), 0), (Source::View(1), 3)];
-        assert_eq!(kept(Source::View(0), 3, &folded), [0, 2]);
-        assert_eq!(kept(Source::View(1), 4, &folded), [1, 2]);
-        assert_eq!(kept(Source::Cloud, 2, &folded), [0, 1]);
     }
 }

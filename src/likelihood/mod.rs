@@ -13,6 +13,7 @@
 //! (PFD99 eq. 11), w the number of independent observations that a row stands for, ρ a robust loss.
 
 mod body_outline;
+mod clear;
 mod contact;
 mod ellipse_distance;
 mod ellipse_silhouette;
@@ -32,13 +33,16 @@ mod part_offset;
 mod placed_residual;
 mod point_field;
 mod point_options;
+mod shared_border;
 mod silhouette_ray;
 mod skin_distance;
 mod skin_term;
 mod surface_point;
+mod touched_limb;
 mod union;
 
 pub use body_outline::BodyOutline;
+pub use clear::Clear;
 pub use ellipse_distance::EllipseDistance;
 pub use ellipse_silhouette::{EllipseOptions, EllipseSilhouette, Variant};
 pub use ellipse_view::EllipseView;
@@ -71,27 +75,13 @@ pub trait Term: Send + Sync {
     fn linearize(&self, body: &Posed<'_>, equations: &mut NormalEquations) -> f64;
     /// The residuals at a pose, those of one source in the order of its data (along a border).
     fn placed_residuals(&self, body: &Posed<'_>) -> Vec<PlacedResidual>;
-    /// The same of the data that do not lie in folds of the skin at a pose.
-    fn outside_folds(&self, body: &Posed<'_>) -> OutsideFolds<'_> {
-        OutsideFolds { residuals: self.placed_residuals(body), term: None }
+    /// The same of the data that tell at a pose what they show: not folds of the skin, and not borders that two parts share.
+    fn clear(&self, body: &Posed<'_>) -> Clear<'_> {
+        Clear { residuals: self.placed_residuals(body), term: None }
     }
     /// What cameras side by side see differently, of a kind of data that can tell.
     fn parallax(&self, _body: &Posed<'_>) -> Option<Parallax> {
         None
-    }
-}
-
-/// What a term says of the data that do not lie in folds of the skin.
-pub struct OutsideFolds<'a> {
-    /// Their residuals.
-    pub residuals: Vec<PlacedResidual>,
-    /// The term of them alone; `None` where it is of all data.
-    pub term: Option<Box<dyn Term + 'a>>,
-}
-
-impl std::fmt::Debug for OutsideFolds<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "OutsideFolds({} residuals)", self.residuals.len())
     }
 }
 
@@ -116,8 +106,8 @@ impl<T: Term + ?Sized> Term for &T {
         (**self).placed_residuals(body)
     }
 
-    fn outside_folds(&self, body: &Posed<'_>) -> OutsideFolds<'_> {
-        (**self).outside_folds(body)
+    fn clear(&self, body: &Posed<'_>) -> Clear<'_> {
+        (**self).clear(body)
     }
 
     fn parallax(&self, body: &Posed<'_>) -> Option<Parallax> {

@@ -130,6 +130,7 @@ impl Parallax {
         if !rays.has_views_within(BESIDE_RAD) {
             return None;
         }
+        let rays = &rays.without_shared(body);
 
         let mut looks: Vec<Look> = Vec::new();
         let mut places = 0;

@@ -30,11 +30,11 @@
 
 use nalgebra::Vector2;
 
-use super::folds::{self, Divided};
+use super::clear::{self, Divided};
 use super::nearest_limb::NearestLimb;
 use super::skin_distance::{PosedScale, SkinScale};
 use super::skin_term::{self, SkinTerm, SkinTouch, Touch};
-use super::{OutsideFolds, PlacedResidual, PointOptions, Source, SurfacePoint, Term};
+use super::{Clear, PlacedResidual, PointOptions, Source, SurfacePoint, Term};
 use crate::body::Posed;
 use crate::body::metaball::{Field, FieldSample};
 use crate::solver::{Loss, NormalEquations};
@@ -118,9 +118,9 @@ impl Term for PointField {
         skin_term::placed(self, body)
     }
 
-    fn outside_folds(&self, body: &Posed<'_>) -> OutsideFolds<'_> {
-        let Divided { outside, inside } = Divided::new(self, body);
-        let kept = folds::kept(Source::Cloud, self.points.len(), &inside);
+    fn clear(&self, body: &Posed<'_>) -> Clear<'_> {
+        let Divided { clear, unclear } = Divided::new(self, body, |_, _| false);
+        let kept = clear::kept(Source::Cloud, self.points.len(), &unclear);
         let only = || -> Box<dyn Term> {
             Box::new(Self {
                 points: kept.iter().map(|&i| self.points[i]).collect(),
@@ -129,7 +129,7 @@ impl Term for PointField {
                 scale: self.scale.clone(),
             })
         };
-        OutsideFolds { residuals: outside, term: (!inside.is_empty()).then(only) }
+        Clear { residuals: clear, term: (!unclear.is_empty()).then(only) }
     }
 }
 

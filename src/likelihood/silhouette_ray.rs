@@ -13,10 +13,7 @@
 //! dr/dθ = Σ wᵢ (αᵢ ∂ ln fᵢ + γᵢ ∂ ln Rᵢ)/∂θ + b·∂p/∂θ with b = −r e/(rᵀKr): one row of
 //! [`FieldSlopes`](crate::body::metaball::FieldSlopes). The published residual depends on F alone and needs no second derivative.
 //!
-//! Limbs do not blend, and each has its own summit on the line. The line touches the limb whose r is least. That is not always the
-//! one with the largest F: the same F is another distance from a thick limb than from a thin one, and the person's surface may
-//! lie further outside the model's on one than on the other ([`skin_term`]). Chosen by F, r would jump where another limb comes to
-//! be touched.
+//! Which limb a line touches is told by [`touched_limb`](super::touched_limb).
 //!
 //! What is worn or carried lies outside the body, and no part of the body outside the mask. The cost of a line whose border lies outside
 //! the body counts w⁺ times, which is 1 where nothing tells of such things. With w⁺ < 1 the body is fitted to an expectile of the
@@ -33,12 +30,13 @@
 
 use nalgebra::{Vector2, Vector3};
 
+use super::clear::{self, Divided};
 use super::contact::RayField;
-use super::folds::{self, Divided};
-use super::part_offset::{PartOffset, displace};
-use super::skin_distance::{Derivatives, PosedScale, Residual, SkinResidual, SkinScale};
+use super::shared_border::{SharedBorder, WITHIN};
+use super::skin_distance::{Derivatives, PosedScale, Residual, SkinScale};
 use super::skin_term::{self, SkinTerm, SkinTouch, Touch, TouchPlace};
-use super::{OutsideFolds, Parallax, PlacedResidual, Source, Term};
+use super::touched_limb::LimbSearch;
+use super::{Clear, Parallax, PlacedResidual, Source, Term};
 use crate::body::Posed;
 use crate::body::metaball::{Field, FieldSample};
 use crate::camera::Camera;
@@ -131,6 +129,16 @@ impl RayView {
         way.dot(&self.axis_world).max(NEAREST * self.depth_m)
     }
 
+    /// Z/Z₀.
+    fn nearer(&self, body: &Posed<'_>) -> f64 {
+        self.root_depth_m(body) / self.depth_m
+    }
+
+    /// s, m.
+    fn sigma_m(&self, options: &RayOptions) -> f64 {
+        (options.sigma_px / self.px_per_m).hypot(options.sigma_m)
+    }
+
     /// The mean direction, and the greatest angle of a line with it; `None` if there is no line.
     fn cone(&self) -> Option<(Vector3<f64>, f64)> {
         let axis = self.directions_world.iter().sum::<Vector3<f64>>();
@@ -184,6 +192,35 @@ impl SilhouetteRays {
         (0..cones.len()).any(|i| (0..i).any(|j| is_within(i, j)))
     }
 
+    /// Without the lines that do not tell which of two parts they show.
+    pub(super) fn without_shared(&self, body: &Posed<'_>) -> Self {
+        self.without(&self.shared(body))
+    }
+
+    /// The lines that touch a part of a limb beside another part, ascending.
+    fn shared(&self, body: &Posed<'_>) -> Vec<(Source, usize)> {
+        let (field, border) = (Field::from_body(body), SharedBorder::new(body.model));
+        let scale = self.scale.posed(body, &field);
+        let mut search = LimbSearch::new(body, &field, &scale, &self.options);
+        let mut shared = Vec::new();
+        for (source, view) in self.views.iter().enumerate() {
+            let mut rays = RayField::new(&field, view.origin_world);
+            let within_m = WITHIN * view.sigma_m(&self.options) * view.nearer(body);
+            for (line, direction) in view.directions_world.iter().enumerate() {
+                if search.shares(&border, &mut rays, direction, within_m) {
+                    shared.push((Source::View(source), line));
+                }
+            }
+        }
+        shared
+    }
+
+    fn without(&self, lines: &[(Source, usize)]) -> Self {
+        let views = self.views.iter().enumerate();
+        let kept = views.map(|(i, view)| clear::kept(Source::View(i), view.len(), lines));
+        self.only(&kept.collect::<Vec<_>>())
+    }
+
     /// Of each view only these lines of sight.
     pub(super) fn only(&self, lines: &[Vec<usize>]) -> Self {
         let views = self.views.iter().zip(lines).map(|(view, lines)| view.only(lines)).collect();
@@ -193,53 +230,6 @@ impl SilhouetteRays {
     /// The residual of every line of sight, view after view; lines with no metaball before the camera are left out.
     pub fn residuals(&self, body: &Posed<'_>) -> Vec<SkinTouch> {
         skin_term::all_touches(self, body)
-    }
-}
-
-/// Where a line may touch the person.
-#[derive(Debug, Default)]
-struct Contender {
-    sample: FieldSample,
-    offsets: Vec<PartOffset>,
-}
-
-/// The search for the limb that a line of sight touches.
-struct LimbSearch<'a> {
-    body: &'a Posed<'a>,
-    field: &'a Field,
-    scale: &'a PosedScale<'a>,
-    options: &'a RayOptions,
-    near: Vec<usize>,
-    touched: Contender,
-    other: Contender,
-}
-
-impl LimbSearch<'_> {
-    /// Finds the limb that a line is least outside of: `touched`, and r there; `None` if there is no metaball before the camera.
-    fn touch(&mut self, rays: &mut RayField, direction: &Vector3<f64>) -> Option<SkinResidual> {
-        let RayOptions { residual, derivatives, .. } = *self.options;
-        // the nearest first, to rule out most of the others
-        let nearest = rays.turn_to(direction)?;
-        let others = (0..self.field.limbs.len()).filter(|limb| *limb != nearest);
-
-        let mut least: Option<SkinResidual> = None;
-        for limb in std::iter::once(nearest).chain(others) {
-            let least_m = least.map_or(f64::INFINITY, |r| r.distance_m);
-            let may_win = |most: f64| self.scale.least_m(residual, limb, most) < least_m;
-            let Some(t) = rays.contact(limb, may_win) else { continue };
-
-            // the residual where the person's surface lies
-            let Self { body, field, near, other, .. } = self;
-            rays.near(limb, near);
-            other.sample.update_limb(field, limb, &rays.point(direction, t), near);
-            displace(body, field, near, &mut other.sample, &mut other.offsets);
-            let r = self.scale.residual(residual, derivatives, &self.other.sample);
-            if r.distance_m < least_m {
-                least = Some(r);
-                std::mem::swap(&mut self.touched, &mut self.other);
-            }
-        }
-        least
     }
 }
 
@@ -270,20 +260,12 @@ impl SkinTerm for SilhouetteRays {
         mut each: impl FnMut(&Touch<'_>, &FieldSample),
     ) {
         let options = &self.options;
-        let mut search = LimbSearch {
-            body,
-            field,
-            scale,
-            options,
-            near: Vec::new(),
-            touched: Contender::default(),
-            other: Contender::default(),
-        };
+        let mut search = LimbSearch::new(body, field, scale, options);
 
         for (source, view) in self.views.iter().enumerate() {
             let mut rays = RayField::new(field, view.origin_world);
-            let nearer = view.root_depth_m(body) / view.depth_m;
-            let sigma_m = (options.sigma_px / view.px_per_m).hypot(options.sigma_m) * nearer;
+            let nearer = view.nearer(body);
+            let sigma_m = view.sigma_m(options) * nearer;
             let per_px = 1.0 / (view.px_per_m * options.correlation_m);
             for (index, direction) in view.directions_world.iter().enumerate() {
                 let Some(residual) = search.touch(&mut rays, direction) else { continue };
@@ -328,12 +310,12 @@ impl Term for SilhouetteRays {
         skin_term::placed(self, body)
     }
 
-    fn outside_folds(&self, body: &Posed<'_>) -> OutsideFolds<'_> {
-        let Divided { outside, inside } = Divided::new(self, body);
-        let views = self.views.iter().enumerate();
-        let kept = views.map(|(i, view)| folds::kept(Source::View(i), view.len(), &inside));
-        let only = || -> Box<dyn Term> { Box::new(self.only(&kept.collect::<Vec<_>>())) };
-        OutsideFolds { residuals: outside, term: (!inside.is_empty()).then(only) }
+    fn clear(&self, body: &Posed<'_>) -> Clear<'_> {
+        let shared = self.shared(body);
+        let is_shared = |source, line| shared.binary_search(&(source, line)).is_ok();
+        let Divided { clear, unclear } = Divided::new(self, body, is_shared);
+        let only = || -> Box<dyn Term> { Box::new(self.without(&unclear)) };
+        Clear { residuals: clear, term: (!unclear.is_empty()).then(only) }
     }
 
     fn parallax(&self, body: &Posed<'_>) -> Option<Parallax> {

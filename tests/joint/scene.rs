@@ -17,7 +17,7 @@ use maquette::silhouette::{
 };
 use maquette::stereo::{CloudPoint, Spread};
 use maquette::synth::{Ground, Ring, Walk, WalkingStyle};
-use nalgebra::{DVector, Point3, Unit, Vector2, Vector3};
+use nalgebra::{DVector, Point3, Rotation3, Unit, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -82,6 +82,22 @@ impl Scene {
             rig.cameras.push(camera);
         }
         Self::walking(name, frames, rig)
+    }
+
+    /// A person who stands in one pose before one camera, which looks along this heading; 0 is from the front.
+    pub(crate) fn standing(
+        name: &str,
+        heading_deg: f64,
+        pose: impl Fn(&BodyModel) -> Motion,
+    ) -> Self {
+        let ring =
+            Ring { cameras: 1, focal_px: 490.0, width_px: 480, height_px: 360, ..Ring::default() };
+        let model = load(name);
+        let shape = Shape(model.statistics.mean.clone());
+        let mut motion = pose(&model);
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), heading_deg.to_radians());
+        motion.world_from_root = turn * motion.world_from_root;
+        Self::seen(model, ring.regular(), SequenceState::new(shape, vec![motion]))
     }
 
     fn walking(name: &str, frames: usize, rig: Rig) -> Self {

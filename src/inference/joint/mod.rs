@@ -25,7 +25,7 @@ use super::contrasts::{Contrasts, Leverages};
 use super::covariance::Uncertainty;
 use super::frame::FrameFit;
 use super::instant::{times_s, trials};
-use super::looks::Outside;
+use super::looks::ClearLooks;
 use super::motion_prior::MotionPrior;
 use super::noise::{DataWeights, Noise};
 use super::prior::ShapePrior;
@@ -208,7 +208,7 @@ struct Round<'l> {
 }
 
 impl Search<'_, '_> {
-    /// The optimum with residuals that err as they do at its start, without what lies in folds of the skin there.
+    /// The optimum with residuals that err as they do at its start, of what tells there what it shows.
     fn round<'l>(
         &self,
         looks: &'l [Vec<Look<'_>>],
@@ -219,10 +219,10 @@ impl Search<'_, '_> {
         let whole = self.within(looks, &start);
         let none = Contrasts::none(looks.len());
         let of_all = self.posterior(&whole, &priors, &none);
-        let outside = Outside::new(&whole, &of_all.bodies(&start));
-        let noise = Noise::from_residuals(&outside.residuals);
+        let clear = ClearLooks::new(&whole, &of_all.bodies(&start));
+        let noise = Noise::from_residuals(&clear.residuals);
 
-        let looks = self.within(&outside.looks, &start);
+        let looks = self.within(&clear.looks, &start);
         let mut posterior = self.posterior(&looks, &priors, &none);
         posterior.weights = noise.weights();
         let motion_prior = priors.motion.beside(noise.staying_share(), self.seconds);
@@ -235,8 +235,8 @@ impl Search<'_, '_> {
 
         let counted = Counted { problem: &posterior, step: self.step };
         let solution = levenberg_marquardt(&counted, start, solver);
-        let independent = noise.independent(&outside.residuals);
-        Round { looks: outside.looks, noise, independent, priors, contrasts, solution }
+        let independent = noise.independent(&clear.residuals);
+        Round { looks: clear.looks, noise, independent, priors, contrasts, solution }
     }
 
     /// How sure an optimum is.
