@@ -84,7 +84,7 @@ impl Scene {
         Self::walking(name, frames, rig)
     }
 
-    /// A person who stands in one pose before one camera, which looks along this heading; 0 is from the front.
+    /// A person who stands in one pose before one camera, turned by this heading; 0 faces the camera.
     pub(crate) fn standing(
         name: &str,
         heading_deg: f64,
