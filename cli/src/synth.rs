@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
@@ -12,11 +13,11 @@ use maquette::io::recording::{filmed, synthetic};
 use maquette::io::{frame_rate, model};
 use maquette::pipeline::counted;
 use maquette::synth::{
-    Action, FilmRecipe, Ground, Make, Recipe, Ring, SegmentationErrors, StereoPair,
+    Action, FilmRecipe, Ground, Make, Movement, Recipe, Ring, SegmentationErrors, StereoPair,
 };
 
 pub(super) const ABOUT: &str = "\
-Make a recording of a walking person, with the truth beside it.
+Make a recording of a person who walks, or does something else, with the truth beside it.
 
 A body and a way of walking are drawn from the seed, and ray-cast into a ring of cameras. The folder can be given to \
 `maquette fit`; truth.trc and truth.json hold what is true of it. The same arguments give the same files.
@@ -45,11 +46,11 @@ pub(super) struct SynthArguments {
     #[arg(long, value_parser = rate)]
     fps: Option<f64>,
     /// The person walks on a treadmill, and so stays in the middle of the cameras
-    #[arg(long, conflicts_with = "clutter")]
+    #[arg(long, conflicts_with_all = ["clutter", "action"])]
     treadmill: bool,
-    /// The person stands still, for the zero of the angles of other trials
-    #[arg(long, conflicts_with_all = ["clutter", "treadmill"])]
-    standing: bool,
+    /// What the person does: walks, stands still (for the zero of the angles of other trials), or moves on the spot
+    #[arg(long, default_value = WALK, value_parser = actions(), conflicts_with = "clutter")]
+    action: String,
     /// What the person is made of
     #[arg(long, value_enum, default_value_t = MadeOf::Metaballs)]
     make: MadeOf,
@@ -97,6 +98,25 @@ impl Noise {
     }
 }
 
+/// The names of what a person does who does not move in another way.
+const WALK: &str = "walk";
+const STAND: &str = "stand";
+
+/// The names of all that a person can do.
+fn actions() -> PossibleValuesParser {
+    let moves = Movement::ALL.map(Movement::name);
+    PossibleValuesParser::new([WALK, STAND].into_iter().chain(moves))
+}
+
+fn action(name: &str) -> Action {
+    let movement = Movement::ALL.into_iter().find(|movement| movement.name() == name);
+    match movement {
+        Some(movement) => Action::Move(movement),
+        None if name == STAND => Action::Stand,
+        None => Action::Walk,
+    }
+}
+
 fn rate(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(hz) if frame_rate::is_one(hz) => Ok(hz),
@@ -138,7 +158,7 @@ fn ring(arguments: &SynthArguments, model: &BodyModel) -> Result<Written, CliErr
         trial: arguments.trial.into(),
         frames: arguments.frames.map(|frames| frames as usize),
         fps: arguments.fps.unwrap_or(default.fps),
-        action: if arguments.standing { Action::Stand } else { Action::Walk },
+        action: action(&arguments.action),
         ground: if arguments.treadmill { Ground::Treadmill } else { Ground::Floor },
         make: match arguments.make {
             MadeOf::Metaballs => Make::Metaballs,

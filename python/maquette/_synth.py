@@ -19,14 +19,14 @@ def synth(
     frames: int | None = None,
     fps: float | None = None,
     treadmill: bool = False,
-    standing: bool = False,
+    action: str | None = None,
     make: Literal["metaballs", "flesh", "dressed"] | None = None,
     noise: Literal["none", "mild"] | None = None,
     points: bool = False,
     clutter: bool = False,
     body: Path | None = None,
 ) -> pathlib.Path:
-    """Make a synthetic recording of a walking person, with the truth beside it.
+    """Make a synthetic recording of a person who walks, or does something else, with the truth beside it.
 
     This is ``maquette synth``: the same arguments give the same files.
 
@@ -43,8 +43,9 @@ def synth(
         With ``clutter`` there are always three cameras; frames are 300 and frames per second 25 by default.
     treadmill
         The person walks on a treadmill, and so stays in the middle of the cameras.
-    standing
-        The person stands still, for the zero of the angles of other trials.
+    action
+        What the person does: ``"walk"`` (default), ``"stand"`` (for the zero of the angles of other trials), or one of
+        the movements that ``maquette synth --help`` lists, such as ``"squat"``.
     make
         What the person is made of; default metaballs.
     noise
@@ -79,7 +80,7 @@ def synth(
         frames=frames,
         fps=fps,
         treadmill=treadmill,
-        standing=standing,
+        action=action,
         make=make,
         noise=noise,
         points=points,

@@ -14,6 +14,7 @@
 //! | `walking_style.rs` | [`WalkingStyle`]: the angles over one person's gait cycle |
 //! | `contact.rs` | soles, and how the floor holds them                                         |
 //! | `walk.rs`    | [`Walk`]: the motion of a model that walks                                  |
+//! | `movement.rs` | [`Movement`]: other motions, between key poses             |
 //! | `cloud.rs`   | [`StereoPair`]: the points that stereo would see on the skin                |
 //! | `noise.rs`   | [`SegmentationErrors`]: what a segmentation does to a true mask             |
 //! | `film/`      | [`FilmRecipe`]: photographs of a person before clutter, by cameras side by side |
@@ -26,6 +27,8 @@ mod contact;
 mod curves;
 mod film;
 mod make;
+mod movement;
+mod movement_keys;
 mod noise;
 mod recording;
 mod scene;
@@ -40,6 +43,7 @@ pub use cloud::StereoPair;
 pub use curves::Curve;
 pub use film::{Company, Film, FilmError, FilmRecipe, Shot, Staging, Studio};
 pub use make::Make;
+pub use movement::Movement;
 pub use noise::SegmentationErrors;
 pub use recording::{Action, Recipe, Synthetic, sample_walker};
 pub use scene::Ring;

@@ -6,8 +6,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::{
-    BoundSkin, Ground, Make, Ring, SegmentationErrors, StereoPair, Walk, WalkError, WalkingStyle,
-    draw_shape,
+    BoundSkin, Ground, Make, Movement, Ring, SegmentationErrors, StereoPair, Walk, WalkError,
+    WalkingStyle, draw_shape,
 };
 use crate::body::metaball::Field;
 use crate::body::{BodyModel, Motion, Posed, Shape};
@@ -106,7 +106,7 @@ pub struct Recipe {
     /// Which of the person's trials: 0 is the first. Another one has the same body and cameras; the person walks a little faster or
     /// slower, with longer or shorter steps, through another place and in another direction, from another foot on.
     pub trial: u64,
-    /// Number of frames; `None` for one gait cycle.
+    /// Number of frames; `None` for one gait cycle, or one of another movement.
     pub frames: Option<usize>,
     /// Frames per second.
     pub fps: f64,
@@ -132,6 +132,8 @@ pub enum Action {
     Walk,
     /// Stands still, every joint at rest.
     Stand,
+    /// Moves otherwise, on the spot.
+    Move(Movement),
 }
 
 impl Default for Recipe {
@@ -164,6 +166,7 @@ const SKIN: u64 = 5;
 const FIRST_MASK: u64 = 16;
 const FIRST_CLOUD: u64 = 1 << 40;
 const FIRST_TRIAL: u64 = 1 << 50;
+const FIRST_MOVEMENT: u64 = 1 << 51;
 /// Standard deviations of a trial's place, m, and direction.
 const PLACE_SD_M: f64 = 0.1;
 const HEADING_SD: f64 = 0.05;
@@ -201,19 +204,42 @@ impl Recipe {
         Walk { style, heading, middle_world, start_phase: rng.random(), ..first }
     }
 
-    /// A person drawn from the model, who walks in a style of their own along x through the middle of the ring.
+    /// What the person does.
+    fn motions(
+        &self,
+        model: &BodyModel,
+        shape: &Shape,
+        walk: Walk,
+    ) -> Result<Vec<Motion>, WalkError> {
+        let mut walk = Walk { ground: self.ground, ..self.of_trial(walk) };
+        match self.action {
+            Action::Walk => {}
+            Action::Stand => walk.style = WalkingStyle::standing(),
+            Action::Move(movement) => {
+                let frames =
+                    self.frames.unwrap_or((self.fps * movement.period_s()).ceil() as usize);
+                let mut rng = stream(self.seed, FIRST_MOVEMENT + self.trial);
+                return movement.motions(
+                    model,
+                    shape,
+                    (self.fps, frames),
+                    walk.middle_world,
+                    &mut rng,
+                );
+            }
+        }
+        let cycle = (self.fps / walk.style.stride_hz).ceil() as usize;
+        walk.motions(model, shape, self.fps, self.frames.unwrap_or(cycle))
+    }
+
+    /// A person drawn from the model, who walks in a style of their own along x through the middle of the ring, or does something else there.
     ///
     /// # Errors
     /// [`WalkError`] if the model has no feet or cannot have the skin of its make, or if the frame rate is impossible.
     pub fn walker(&self, model: &BodyModel) -> Result<Synthetic, WalkError> {
         let middle_world = self.ring.target_world.coords.xy();
         let (shape, walk) = person(model, self.seed, middle_world);
-        let mut walk = Walk { ground: self.ground, ..self.of_trial(walk) };
-        if self.action == Action::Stand {
-            walk.style = WalkingStyle::standing();
-        }
-        let cycle = (self.fps / walk.style.stride_hz).ceil() as usize;
-        let mut motions = walk.motions(model, &shape, self.fps, self.frames.unwrap_or(cycle))?;
+        let mut motions = self.motions(model, &shape, walk)?;
         let skin = self.make.skin(model, &shape, &mut stream(self.seed, SKIN))?;
         if let Some((_, sole_m)) = &skin {
             motions.iter_mut().for_each(|motion| motion.position_world.z += sole_m);

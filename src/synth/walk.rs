@@ -81,9 +81,7 @@ impl Walk {
         fps: f64,
         frames: usize,
     ) -> Result<Vec<Motion>, WalkError> {
-        if !(fps > 0.0 && fps <= FASTEST) {
-            return Err(WalkError::Rate { fps });
-        }
+        checked_rate(fps)?;
         let foot = |point: &'static str| {
             let model_name = || model.name.clone();
             Foot::find(model, shape, point)
@@ -124,10 +122,7 @@ impl Walk {
             * about(Vector3::x() * -obliquity)
             * about(Vector3::y() * tilt);
         let angle = |joint: &Joint| match self.style.joints.get(&joint.name) {
-            Some(curve) => {
-                let (low, high) = joint.limits;
-                curve.at(phase).max(low + MARGIN).min(high - MARGIN)
-            }
+            Some(curve) => within_limits(joint, curve.at(phase)),
             None => joint.rest,
         };
         Motion {
@@ -148,6 +143,18 @@ impl Walk {
             motion.position_world += shift;
         }
     }
+}
+
+/// # Errors
+/// [`WalkError::Rate`] of an impossible frame rate.
+pub(super) fn checked_rate(fps: f64) -> Result<(), WalkError> {
+    if fps > 0.0 && fps <= FASTEST { Ok(()) } else { Err(WalkError::Rate { fps }) }
+}
+
+/// An angle that the joint can have.
+pub(super) fn within_limits(joint: &Joint, angle: f64) -> f64 {
+    let (low, high) = joint.limits;
+    angle.max(low + MARGIN).min(high - MARGIN)
 }
 
 /// Moves each motion back by as far as a belt has run that is as fast as all of them on the mean.
