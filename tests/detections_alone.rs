@@ -10,7 +10,7 @@ use maquette::io::model;
 use maquette::io::recording::{ObservationFiles, RecordingError};
 use maquette::pipeline::{NoProgress, Size};
 use maquette::silhouette::{FrameIndex, Keypoint};
-use maquette::synth::{Recipe, Ring, Synthetic};
+use maquette::synth::{Action, Movement, Recipe, Ring, Synthetic};
 use maquette::workflow::LensRig;
 use maquette::{FitOptions, Recording};
 use nalgebra::{Point3, Vector3};
@@ -43,9 +43,13 @@ const FPS: f64 = 25.0;
 const NOISE_PX: f64 = 1.0;
 
 fn walker() -> Synthetic {
+    doing(Action::Walk)
+}
+
+fn doing(action: Action) -> Synthetic {
     let person = model::load("walker-metaballs", Path::new("")).expect("a shipped model");
     let ring = Ring { cameras: 4, ..Ring::default() };
-    let recipe = Recipe { frames: Some(FRAMES), fps: FPS, ring, ..Recipe::default() };
+    let recipe = Recipe { action, frames: Some(FRAMES), fps: FPS, ring, ..Recipe::default() };
     recipe.walker(&person).expect("a walker")
 }
 
@@ -116,6 +120,30 @@ fn text_of(walker: &Synthetic) -> impl Fn(usize, usize) -> String {
 fn fitted(folder: &Path) -> Result<maquette::FittedRecording, String> {
     let fit = Recording::open(folder).map_err(|fault| fault.to_string())?;
     fit.with_fps(FPS).fit(&FitOptions::default()).map_err(|fault| fault.to_string())
+}
+
+#[test]
+fn who_lies_or_goes_on_all_fours_is_found_by_detections_alone() {
+    for movement in [Movement::Lie, Movement::AllFours] {
+        let person_lying = doing(Action::Move(movement));
+        let folder = project(&person_lying, |frame, camera| {
+            let mut rng = ChaCha8Rng::seed_from_u64((100 * frame + camera) as u64);
+            file(&[person(&person_lying, (frame, camera), Vector3::zeros(), &mut rng)])
+        });
+        let fit = fitted(folder.path()).expect("a fit");
+        assert!(fit.result.verdict.is_usable(), "{movement:?}: {:?}", fit.result.verdict);
+        for frame in &fit.result.motion.frames {
+            let truth = person_lying.points(FrameIndex(frame.frame)).expect("a frame");
+            let off = |name: &&str| {
+                let index = fit.result.motion.points.iter().position(|point| point == name);
+                let place = Point3::from(frame.points_m[index.expect("a joint")]);
+                (place - truth[person_lying.model.point(name).expect("a joint")]).norm()
+            };
+            let joints = ["RHip", "LHip", "RKnee", "LKnee", "RElbow", "LElbow", "RWrist", "LWrist"];
+            let mean_m = joints.iter().map(off).sum::<f64>() / joints.len() as f64;
+            assert!(mean_m < 0.05, "{movement:?}: {mean_m} m off in frame {}", frame.frame);
+        }
+    }
 }
 
 #[test]

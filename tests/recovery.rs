@@ -194,6 +194,39 @@ fn a_mirrored_start_costs_more_and_is_not_the_first_reading() {
 }
 
 #[test]
+fn who_lies_or_goes_on_all_fours_is_found() {
+    let scene = &*SCENE;
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let on_all_fours = [
+        ("hip_flexion_r", 95.0),
+        ("hip_flexion_l", 80.0),
+        ("knee_flexion_r", 95.0),
+        ("knee_flexion_l", 85.0),
+        ("shoulder_flexion_r", 80.0),
+        ("shoulder_flexion_l", 95.0),
+    ];
+    let limbs: [(f64, &[(&str, f64)]); 3] =
+        [(-quarter, &[("knee_flexion_r", 30.0)]), (quarter, &[]), (quarter, &on_all_fours)];
+    for (tilt, angles_deg) in limbs {
+        let mut motion = Motion::rest(&scene.model);
+        for (name, angle) in angles_deg {
+            motion.angles[scene.model.joint(name).expect("the joint").0] = angle.to_radians();
+        }
+        motion.world_from_root = Rotation3::from_axis_angle(&Vector3::z_axis(), 0.4)
+            * Rotation3::from_axis_angle(&Vector3::y_axis(), tilt);
+        motion.position_world = Vector3::new(0.1, -0.1, 0.5);
+
+        let body = Posed::new(&scene.model, &scene.shape, &motion);
+        let frame = observe(&body, &scene.rig, 0);
+        let found = readings(&scene.evidence(), &frame, &StartOptions::default()).remove(0);
+        let points = Posed::new(&scene.model, &found.state.shape, &found.state.motion).points();
+        let off = points.iter().zip(body.points()).map(|(found, truth)| (found - truth).norm());
+        let mean_m = off.sum::<f64>() / points.len() as f64;
+        assert!(mean_m < 0.03, "{mean_m} m off at a tilt of {tilt}, {} angles", angles_deg.len());
+    }
+}
+
+#[test]
 fn the_other_way_of_facing_is_tried_where_no_keyframe_proposes_it() {
     let scene = &*SCENE;
     let one = StartOptions { kept: 1, ..options(Pruning::Exact).start };

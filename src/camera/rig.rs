@@ -1,5 +1,7 @@
 //! All cameras of a recording.
 
+use nalgebra::Vector3;
+
 use super::Camera;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -35,6 +37,13 @@ impl Rig {
     /// The cameras with their ids, in order.
     pub fn iter(&self) -> impl Iterator<Item = (CameraId, &Camera)> {
         self.cameras.iter().enumerate().map(|(index, camera)| (CameraId(index), camera))
+    }
+
+    /// Whether the cameras, held upright as most are, have the world's z upwards: within 60° of it on the mean.
+    pub fn is_upright(&self) -> bool {
+        let up = |camera: &Camera| camera.camera_from_world.rotation.inverse() * -Vector3::y();
+        let sum: Vector3<f64> = self.cameras.iter().map(up).sum();
+        sum.z > 0.5 * self.cameras.len() as f64
     }
 
     /// The names, in order.

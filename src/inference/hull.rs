@@ -1,7 +1,7 @@
 //! Where the body of one frame is: from the visual hull, coarse voxels that every silhouette accepts, from points on its surface, or from
 //! detections of its joints.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Matrix3, Point3, UnitVector3, Vector3};
 
 use super::joints::{self, Joints};
 use crate::camera::{Ray, Rig, closest_point};
@@ -14,12 +14,16 @@ use crate::stereo::CloudPoint;
 pub struct Hull {
     /// Mean of the occupied voxels, or of the points, metres.
     pub centroid_world: Point3<f64>,
-    /// Height below which 0.5 % of them lie.
+    /// Height below which 0.5 % of them lie, metres.
     pub bottom: f64,
     /// Height below which 99.8 % of them lie.
     pub top: f64,
     /// How many voxels are occupied; 0 where the hull is of points.
     pub voxels: usize,
+    /// The direction in which they extend farthest: their first principal axis.
+    pub axis_world: UnitVector3<f64>,
+    /// How far that is, but for 0.5 % at either end, metres.
+    pub length: f64,
 }
 
 /// Half the edge of the cube that is carved, and the edge of a voxel, metres.
@@ -27,6 +31,9 @@ const REACH: f64 = 1.4;
 const VOXEL: f64 = 0.04;
 /// Half the depth of a person in a stride, metres.
 const HALF_DEPTH_M: f64 = 0.4;
+/// A hull is low if it is so many times as long as high. Who stands with arms held aside is as long as high (the span of the arms is the stature, within 5 %:
+/// ANSUR II), and who bends or squats hardly longer.
+const LOW: f64 = 1.2;
 
 /// From so many cameras on, one may miss a place: a bitten mask must not cut a leg off.
 pub const FORGIVING: usize = 5;
@@ -82,20 +89,42 @@ impl Hull {
             |axis: usize| median(&mut points.iter().map(|p| p.position_world[axis]).collect());
         let middle = Point3::new(along(0)?, along(1)?, along(2)?);
         let places = points.iter().map(|p| p.position_world);
-        let near: Vec<Point3<f64>> = places.filter(|p| (p - middle).norm() <= REACH).collect();
-        let sum: Vector3<f64> = near.iter().map(|p| p.coords).sum();
+        let near: Vec<Vector3<f64>> =
+            places.filter(|p| (p - middle).norm() <= REACH).map(|p| p.coords).collect();
+        Self::of_places(&near, 0.005).map(|hull| Self { voxels: 0, ..hull })
+    }
 
-        // from below nearly all to above nearly all
-        let mut heights: Vec<f64> = near.iter().map(|p| p.z).collect();
-        heights.sort_by(f64::total_cmp);
-        let quantile = |q: f64| heights.get(((heights.len() as f64 - 1.0) * q) as usize).copied();
+    /// The extent of places, whose heights go up to all but a share of them; `None` of none.
+    fn of_places(places: &[Vector3<f64>], above: f64) -> Option<Self> {
+        let centroid = places.iter().sum::<Vector3<f64>>() / places.len() as f64;
+        let spread: Matrix3<f64> =
+            places.iter().map(|place| place - centroid).map(|off| off * off.transpose()).sum();
+        let principal = spread.symmetric_eigen();
+        let axis = principal.eigenvectors.column(principal.eigenvalues.imax()).into_owned();
+
+        let heights = sorted(places.iter().map(|place| place.z));
+        let along = sorted(places.iter().map(|place| place.dot(&axis)));
+        let quantile = |of: &[f64], q: f64| of.get(((of.len() as f64 - 1.0) * q) as usize).copied();
         Some(Self {
-            centroid_world: (sum / near.len() as f64).into(),
-            bottom: quantile(0.005)?,
-            top: quantile(0.995)?,
-            voxels: 0,
+            centroid_world: centroid.into(),
+            bottom: quantile(&heights, 0.005)?,
+            top: quantile(&heights, 1.0 - above)?,
+            voxels: places.len(),
+            axis_world: UnitVector3::new_normalize(axis),
+            length: quantile(&along, 0.995)? - quantile(&along, 0.005)?,
         })
     }
+
+    /// Whether it extends along another direction than upwards, as of a body that lies or goes on all fours.
+    pub fn is_low(&self) -> bool {
+        self.length > LOW * (self.top - self.bottom)
+    }
+}
+
+fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values
 }
 
 /// The point nearest to the rays through the silhouettes' centroids, or the middle of the joints: where to look for the body.
@@ -119,26 +148,21 @@ pub fn carve(rig: &Rig, frame: &FrameObservations) -> Option<Hull> {
     // voxel by voxel of the cube around the subject
     let n = (2.0 * REACH / VOXEL) as i32;
     let corner = subject - Vector3::repeat(REACH);
-    let mut heights = Vec::new();
-    let mut sum = Vector3::zeros();
+    let mut places = Vec::new();
     for (i, j, k) in (0..n * n * n).map(|v| (v / (n * n), v / n % n, v % n)) {
         let voxel = corner + Vector3::new(f64::from(i), f64::from(j), f64::from(k)) * VOXEL;
         if is_near(&(voxel - subject)) && occupied(rig, frame, &voxel) {
-            sum += voxel.coords;
-            heights.push(voxel.z);
+            places.push(voxel.coords);
         }
     }
-    if heights.is_empty() {
-        return None;
-    }
 
-    heights.sort_by(f64::total_cmp);
-    let quantile = |q: f64| heights[((heights.len() - 1) as f64 * q) as usize];
+    let hull = Hull::of_places(&places, 0.002)?;
+    let half = 0.5 * VOXEL;
     Some(Hull {
-        centroid_world: (sum / heights.len() as f64).into(),
-        bottom: quantile(0.005) - 0.5 * VOXEL,
-        top: quantile(0.998) + 0.5 * VOXEL,
-        voxels: heights.len(),
+        bottom: hull.bottom - half,
+        top: hull.top + half,
+        length: hull.length + VOXEL,
+        ..hull
     })
 }
 

@@ -13,7 +13,9 @@
 //! The vote is the least median of squares' idea with a truncated cost: Torr & Zisserman 2000, *MLESAC*. 0.1: as in
 //! [`KeypointOptions`](crate::likelihood::KeypointOptions).
 
-use nalgebra::{Point2, Point3, Vector3};
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use nalgebra::{Matrix3, Point2, Point3, Rotation3, Vector3};
 
 use crate::body::Side;
 use crate::camera::{Camera, CameraId, Ray, Rig, closest_point};
@@ -101,12 +103,30 @@ impl Joints {
 
     /// The heading of the person, radians from the world's x axis: ahead is across what leads from right to left hip and shoulder.
     pub fn heading(&self) -> Option<f64> {
+        let left = self.left()?.xy();
+        (left.norm() > f64::EPSILON).then(|| (-left.x).atan2(left.y))
+    }
+
+    /// How a person is turned who lies or goes on all fours: up is from the hips to the shoulders; `None` where the trunk is steeper than 45°.
+    pub fn lying(&self) -> Option<Rotation3<f64>> {
+        let between = |joint: &str| {
+            let at = |side: &str| self.place(&format!("{side}{joint}"));
+            Some(nalgebra::center(&at("L")?, &at("R")?))
+        };
+        let up = (between("Shoulder")? - between("Hip")?).try_normalize(f64::EPSILON)?;
+        let left = self.left()?;
+        let left = (left - up * left.dot(&up)).try_normalize(f64::EPSILON)?;
+        let axes = Matrix3::from_columns(&[left.cross(&up), left, up]);
+        (up.z < FRAC_1_SQRT_2).then(|| Rotation3::from_matrix_unchecked(axes))
+    }
+
+    /// What leads from right to left, of hips and shoulders together.
+    fn left(&self) -> Option<Vector3<f64>> {
         let across = |joint: &str| {
             let at = |side: &str| self.place(&format!("{side}{joint}"));
-            Some((at("L")? - at("R")?).xy())
+            Some(at("L")? - at("R")?)
         };
-        let left = ["Hip", "Shoulder"].into_iter().filter_map(across).reduce(|a, b| a + b)?;
-        (left.norm() > f64::EPSILON).then(|| (-left.x).atan2(left.y))
+        ["Hip", "Shoulder"].into_iter().filter_map(across).reduce(|a, b| a + b)
     }
 
     /// The median of the lengths between pairs of joints over those of another body, whose joints are at `other`.
@@ -195,6 +215,21 @@ mod tests {
         // ahead is along x
         assert!(joints.heading().unwrap().abs() < 1e-6);
         assert!((joints.middle() - Point3::new(0.0, 0.0, 1.07)).norm() < 0.05);
+    }
+
+    #[test]
+    fn who_lies_is_turned_as_hips_and_shoulders_say() {
+        let trunk = [("RHip", [0.0, -0.1, 0.9]), ("LHip", [0.0, 0.1, 0.9])]
+            .into_iter()
+            .chain([("RShoulder", [0.0, -0.2, 1.4]), ("LShoulder", [0.0, 0.2, 1.4])]);
+        let trunk: Vec<(&'static str, Point3<f64>)> =
+            trunk.map(|(name, place)| (name, Point3::from(place))).collect();
+        assert_eq!(Joints { places: trunk.clone() }.lying(), None);
+
+        let turn = Rotation3::from_euler_angles(0.3, -1.4, 0.7);
+        let turned = trunk.into_iter().map(|(name, place)| (name, turn * place)).collect();
+        let found = Joints { places: turned }.lying().unwrap();
+        assert!(found.angle_to(&turn) < 1e-6, "{found}");
     }
 
     #[test]

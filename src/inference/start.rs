@@ -3,12 +3,13 @@
 //! At a keyframe nothing is known about m. The hull (or the points, without silhouettes) gives place and height. The
 //! body stands there in each canonical leg pose of its model, turned to each of eight headings, and a dozen damped
 //! iterations on thinned contours sort these starts: half of them by the motion alone, and the better half of the starts by the others.
-//! The best few try the canonical arm poses and are refined.
+//! The best few try the canonical arm poses and are refined. Where the hull is longer than high, bodies lie along it, too: the head at either end, on the
+//! back, the front or a side, if the cameras say that the world's z is up.
 //! Silhouettes confuse front and back: the best start of another heading is kept as a second reading.
 //!
 //! Where only detections show the body, their joints in space ([`Joints`]) give place, heading and size: the mean body, of the height that
-//! is as many times the mean's as the joints lie farther apart, stands with its joints where they are on the mean. Detections tell right
-//! from left, so no other heading is tried.
+//! is as many times the mean's as the joints lie farther apart, stands, or lies as hips and shoulders say, with its joints where they are on the mean. Detections
+//! tell right from left, so no other heading is tried.
 
 use nalgebra::{DVector, Point3, Rotation3, Vector3};
 use rayon::prelude::*;
@@ -77,7 +78,7 @@ pub(super) fn readings_by(
     let coarse_terms = evidence.terms(frame, Detail::Coarse);
     let sort = |starts| sorted(evidence, &coarse_terms, starts, options);
     let starts = match joints {
-        Some(joints) => states_at_joints(evidence.model, &joints, options),
+        Some(joints) => states_at_joints(evidence, &joints, options),
         None => starting_states(evidence, hull.as_ref(), options),
     };
     let mut found = sort(starts);
@@ -177,41 +178,90 @@ fn canonical_poses(model: &BodyModel, limbs: Limbs) -> Vec<&Pose> {
     model.poses.iter().filter(|p| p.limbs == limbs).collect()
 }
 
-/// The body where the hull is, at every heading in every canonical leg pose.
+/// The body where the hull is, at every heading in every canonical leg pose; where the hull is low, also along it.
 fn starting_states(
     evidence: &Evidence<'_>,
     hull: Option<&Hull>,
     options: &StartOptions,
 ) -> Vec<State> {
     let model = evidence.model;
-    let legs = canonical_poses(model, Limbs::Legs);
-    let shape = hull
-        .map_or_else(|| evidence.shape_prior.mean(), |h| shape_of_height(model, h.top - h.bottom));
-    let headings = if model.root == Root::Fixed { 1 } else { options.headings };
+    let mean = evidence.shape_prior.mean();
+    let (Some(hull), Root::Free { .. }) = (hull, model.root) else {
+        return in_leg_poses(model, &mean, Motion::rest(model)).collect();
+    };
 
-    let mut states = Vec::new();
-    for heading in 0..headings {
-        // upright, the head at the top of the hull
-        let angle = std::f64::consts::TAU * heading as f64 / headings as f64;
-        let mut motion = Motion::rest(model);
-        if let (Some(hull), Root::Free { .. }) = (hull, model.root) {
-            motion.world_from_root = Rotation3::from_axis_angle(&Vector3::z_axis(), angle);
-            motion.position_world = hull.centroid_world.coords;
-            motion.position_world.z = hull.top - vertical_extent(model, &shape).1;
-        }
+    // upright, the head at the top of the hull
+    let shape = shape_of_height(model, hull.top - hull.bottom);
+    let mut place = hull.centroid_world.coords;
+    place.z = hull.top - vertical_extent(model, &shape).1;
+    let upright = headings(options.headings).flat_map(|heading| {
+        let world_from_root = Rotation3::from_axis_angle(&Vector3::z_axis(), heading);
+        let motion = Motion { position_world: place, world_from_root, ..Motion::rest(model) };
+        in_leg_poses(model, &shape, motion)
+    });
+    let mut states: Vec<State> = upright.collect();
 
-        // a model without leg poses starts at rest
-        let mut motions: Vec<Motion> = vec![motion; legs.len().max(1)];
-        for (motion, pose) in motions.iter_mut().zip(&legs) {
-            pose.apply(motion);
-        }
-        states.extend(motions.into_iter().map(|motion| State { motion, shape: shape.clone() }));
+    if hull.is_low() && evidence.rig.is_upright() {
+        states.extend(lying_states(model, &mean, hull));
     }
     states
 }
 
+/// Rolls about its long axis in which a body may lie: on its back, its front and its sides.
+const ROLLS: usize = 4;
+
+/// The body along a hull, the head at either end, its middle where the hull's is.
+fn lying_states(model: &BodyModel, shape: &Shape, hull: &Hull) -> Vec<State> {
+    let ways = [hull.axis_world, -hull.axis_world].into_iter();
+    let turns = ways.flat_map(|head| {
+        let on_its_side = Rotation3::face_towards(&head, &Vector3::z());
+        let rolled = move |roll| on_its_side * Rotation3::from_axis_angle(&Vector3::z_axis(), roll);
+        headings(ROLLS).map(rolled)
+    });
+    let states = turns.flat_map(|world_from_root| {
+        in_leg_poses(model, shape, Motion { world_from_root, ..Motion::rest(model) })
+    });
+    let placed = |mut state: State| {
+        let off = hull.centroid_world - middle(model, shape, &state.motion);
+        state.motion.position_world += off;
+        state
+    };
+    states.map(placed).collect()
+}
+
+/// The middle of the body's joints.
+fn middle(model: &BodyModel, shape: &Shape, motion: &Motion) -> Point3<f64> {
+    let points = Posed::new(model, shape, motion).points();
+    let sum: Vector3<f64> = points.iter().map(|point| point.coords).sum();
+    Point3::from(sum / points.len().max(1) as f64)
+}
+
+/// Turns that are spread over a circle.
+fn headings(count: usize) -> impl Iterator<Item = f64> {
+    (0..count).map(move |i| std::f64::consts::TAU * i as f64 / count as f64)
+}
+
+/// A motion in every canonical leg pose; a model without leg poses stays as it is.
+fn in_leg_poses<'m>(
+    model: &'m BodyModel,
+    shape: &'m Shape,
+    motion: Motion,
+) -> impl Iterator<Item = State> + 'm {
+    let legs = canonical_poses(model, Limbs::Legs);
+    (0..legs.len().max(1)).map(move |i| {
+        let mut motion = motion.clone();
+        legs.iter().skip(i).take(1).for_each(|pose| pose.apply(&mut motion));
+        State { motion, shape: shape.clone() }
+    })
+}
+
 /// The body with its joints about where they are seen, in every canonical leg pose; at every heading where they do not tell it.
-fn states_at_joints(model: &BodyModel, joints: &Joints, options: &StartOptions) -> Vec<State> {
+fn states_at_joints(
+    evidence: &Evidence<'_>,
+    joints: &Joints,
+    options: &StartOptions,
+) -> Vec<State> {
+    let model = evidence.model;
     // as tall as its bones are long
     let mean = Shape(model.statistics.mean.clone());
     let at_rest = Posed::new(model, &mean, &Motion::rest(model)).points();
@@ -220,24 +270,19 @@ fn states_at_joints(model: &BodyModel, joints: &Joints, options: &StartOptions) 
     let ratio = joints.ratio(&BONES, place).unwrap_or(1.0);
     let shape = shape_of_height(model, ratio * (high - low));
 
-    let all =
-        (0..options.headings).map(|i| std::f64::consts::TAU * i as f64 / options.headings as f64);
-    let headings = joints.heading().map_or_else(|| all.collect(), |heading| vec![heading]);
-    let legs = canonical_poses(model, Limbs::Legs);
-    let mut states = Vec::new();
-    for heading in headings {
-        let mut motion = Motion::rest(model);
-        motion.world_from_root = Rotation3::from_axis_angle(&Vector3::z_axis(), heading);
-        let mut motions: Vec<Motion> = vec![motion; legs.len().max(1)];
-        for (motion, pose) in motions.iter_mut().zip(&legs) {
-            pose.apply(motion);
-        }
-        for mut motion in motions {
-            motion.position_world += off_joints(model, &shape, &motion, joints);
-            states.push(State { motion, shape: shape.clone() });
-        }
-    }
-    states
+    let tried = joints.heading().map_or_else(|| headings(options.headings).collect(), |h| vec![h]);
+    let upright = tried.into_iter().map(|h| Rotation3::from_axis_angle(&Vector3::z_axis(), h));
+    let lying = joints.lying().filter(|_| evidence.rig.is_upright());
+    let turns: Vec<Rotation3<f64>> = lying.map_or_else(|| upright.collect(), |turn| vec![turn]);
+    let states = turns.into_iter().flat_map(|world_from_root| {
+        in_leg_poses(model, &shape, Motion { world_from_root, ..Motion::rest(model) })
+    });
+    let placed = |mut state: State| {
+        let off = off_joints(model, &shape, &state.motion, joints);
+        state.motion.position_world += off;
+        state
+    };
+    states.map(placed).collect()
 }
 
 /// How far the joints lie from the body's, on the mean.

@@ -48,7 +48,9 @@ impl Diagnosis<'_> {
         let found = lost_frames(self.frames).len() as f64 / seen.max(1) as f64;
         let lost = (found > MOST_LOST).then_some(Reason::LostFrames { found, most: MOST_LOST });
 
-        let thin = if self.is_person() { thin_share(self.observations) } else { None };
+        // the floor hides the arms of who lies
+        let shows_limbs = self.is_person() && !self.lies();
+        let thin = if shows_limbs { thin_share(self.observations) } else { None };
         let thin = thin.filter(|found| *found < LEAST_THIN);
         let thin = thin.map(|found| Reason::ThinParts { found, least: LEAST_THIN });
 

@@ -1,5 +1,6 @@
 //! What a fit is worth.
 
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::cameras::CameraFaults;
@@ -60,6 +61,8 @@ const FEW_CAMERAS: usize = 4;
 const MOST_G: f64 = 2.0;
 /// Frames of which a person along another axis of the world may make the most.
 const UPRIGHT_FRAMES: usize = 5;
+/// The share of a level trunk's length by which its upper end is above its lower one: it is turned by more than 60°.
+const LEVEL: f64 = 0.5;
 /// Ragged masks miss each other by 3 mm.
 const MASKS_AGREE_M: f64 = 0.005;
 
@@ -219,9 +222,18 @@ impl Diagnosis<'_> {
 
     /// A body that is folded in most frames: where the silhouettes lack the legs it is left nothing else.
     fn never_stands(&self) -> Option<Cause> {
-        let height_m = self.shown_height_m().filter(|_| self.is_person())?;
+        if !self.is_person() || self.lies() {
+            return None;
+        }
+        let height_m = self.shown_height_m()?;
         let is_low = height_m < WHOLE * stature_m(self.evidence.model, self.shape);
         is_low.then_some(Cause::CutOff { height_m })
+    }
+
+    /// Whether the trunk is level in most frames, as of who lies or goes on all fours: without legs it would be upright.
+    pub(super) fn lies(&self) -> bool {
+        let up = |frame: &FittedFrame| (frame.fit.motion.world_from_root * Vector3::z()).z;
+        median(&mut self.frames.iter().map(up).collect()).is_some_and(|up| up < LEVEL)
     }
 
     /// The body's height as it is posed: median over the frames.
@@ -278,6 +290,10 @@ impl Diagnosis<'_> {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
+    use nalgebra::Rotation3;
+
     use super::*;
     use crate::body::Motion;
     use crate::inference::frame::FrameFit;
@@ -346,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn a_body_that_never_stands_is_part_of_a_person_and_one_that_stands_is_whole() {
+    fn a_body_that_never_stands_is_part_of_a_person_and_one_that_stands_or_lies_is_whole() {
         let figures = Figures::new();
         let cause =
             |motion: Motion| figures.diagnosed(&[fitted(motion)], &[], |d| d.of_another_size());
@@ -359,7 +375,10 @@ mod tests {
                 folded.angles[joint.0] = angle;
             }
         }
+        let mut lying = standing.clone();
+        lying.world_from_root *= Rotation3::from_axis_angle(&Vector3::y_axis(), -FRAC_PI_2);
         assert_eq!(cause(standing), None);
+        assert_eq!(cause(lying), None);
         let found = cause(folded);
         assert!(matches!(found, Some(Cause::CutOff { height_m }) if height_m < 1.3), "{found:?}");
     }
