@@ -18,11 +18,13 @@
 //! | [`held`]    | arms held where silhouettes hardly show them, and their errors (ZS06, Fig. 6)   |
 //! | [`walker`]  | a walking person of metaballs, seen by seven cameras                           |
 //! | [`metrics`] | how far fitted joint centres are from the true ones                             |
+//! | [`figures`]   | what a fit is compared by                                                      |
 //! | [`recorded`] | recordings that are shared by projects, with their truth, and their fit          |
 
 pub mod arm;
 pub mod contours;
 pub mod expected;
+pub mod figures;
 pub mod film;
 pub mod held;
 pub mod individual;

@@ -17,6 +17,7 @@ use maquette::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, ext
 use maquette::workflow::DEFAULT_BODY;
 use rayon::prelude::*;
 
+use crate::figures::Figures;
 use crate::metrics::trajectories;
 
 /// The trajectories of a TRC file.
@@ -101,6 +102,11 @@ impl Recorded {
         let sequence = Sequence { frames: &frames, fps: self.fps };
         let options = EstimateOptions { height_m: self.given_m, ..options };
         Ok(fit(&body, &self.rig, sequence, &options, &NoJournal))
+    }
+
+    /// How far a fit is from the truth.
+    pub fn figures(&self, fit: &Fit) -> Figures {
+        Figures::new(&self.truth, fit, self.fps)
     }
 
     /// The silhouettes of every frame.

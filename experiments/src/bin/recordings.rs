@@ -9,10 +9,8 @@
 use std::error::Error;
 use std::process::ExitCode;
 
-use experiments::metrics::{
-    INTERVALS, KNEES, LIMB_JOINTS, length_error_pct, mpjpe_mm, offset_mm, point, rms, rms_deg,
-    within_pct,
-};
+use experiments::figures::{shares, shares_text};
+use experiments::metrics::{INTERVALS, point, rms};
 use experiments::recorded::{Recorded, fitted};
 use experiments::run::{Run, shared_data};
 use experiments::table::Table;
@@ -75,7 +73,7 @@ fn all_cameras(run: &mut Run) -> Result<(), Box<dyn Error>> {
     for (number, (name, fps)) in sets.iter().enumerate() {
         let recorded = read(name, *fps)?;
         let fit = recorded.fit()??;
-        let figures = Figures::new(&recorded, &fit);
+        let figures = recorded.figures(&fit);
         table.row([
             (*name).to_owned(),
             format!("{:.1}", figures.raw_mm),
@@ -106,7 +104,7 @@ fn cameras_that_are_off(run: &mut Run) -> Result<(), Box<dyn Error>> {
     let moved = Recorded::read(&shared_data().join("moved"), 50.0, "truth.trc")?;
     let truly = Recorded { rig: moved.true_rig.clone(), ..moved.clone() };
     let (found, best) = (moved.fit()??, truly.fit()??);
-    let (with, without) = (Figures::new(&moved, &found), Figures::new(&truly, &best));
+    let (with, without) = (moved.figures(&found), truly.figures(&best));
     run.number("moved_found_over_true", with.raw_mm / without.raw_mm);
     run.number("moved_found_over_true_offset", with.offset_mm / without.offset_mm);
     let (mut turn_deg, mut place_mm, mut wrongly) = (0.0_f64, 0.0_f64, 0);
@@ -136,7 +134,7 @@ fn cameras_that_are_off(run: &mut Run) -> Result<(), Box<dyn Error>> {
     };
     let worst = ahead.iter().zip(&fit.cameras).filter_map(off).fold(0.0, f64::max);
     run.number("clocks_frames", worst);
-    run.number("clocks_mm", Figures::new(&clocks, &fit).raw_mm);
+    run.number("clocks_mm", clocks.figures(&fit).raw_mm);
     Ok(())
 }
 
@@ -150,7 +148,7 @@ fn two_cameras(run: &mut Run) -> Result<(), Box<dyn Error>> {
         for (degrees, pair) in pairs(&recorded) {
             let seen = recorded.with_cameras(&pair);
             let fit = seen.fit()??;
-            let figures = Figures::new(&seen, &fit);
+            let figures = seen.figures(&fit);
             let wrong = wrong_limbs(&seen.truth, &fitted(&fit, fps));
             let is_announced = wrong.iter().all(|part| announces(&fit, part));
             unannounced += usize::from(!is_announced);
@@ -217,59 +215,6 @@ fn odds_of_mean(fit: &Fit) -> f64 {
 fn read(name: &str, fps: f64) -> Result<Recorded, Box<dyn Error>> {
     let recorded = Recorded::read(&shared_data().join(name), fps, "truth.trc")?;
     Ok(Recorded { rig: recorded.true_rig.clone(), ..recorded })
-}
-
-/// What a fit is compared by.
-struct Figures {
-    raw_mm: f64,
-    offset_mm: f64,
-    lengths_pct: f64,
-    knee_deg: f64,
-    /// Errors of the joint centres along the axes of the world, in their standard deviations.
-    z: Vec<f64>,
-}
-
-impl Figures {
-    fn new(recorded: &Recorded, fit: &Fit) -> Self {
-        let (truth, fitted) = (&recorded.truth, fitted(fit, recorded.fps));
-        let some = |figure: Option<f64>| figure.unwrap_or(f64::NAN);
-        Self {
-            raw_mm: some(mpjpe_mm(truth, &fitted)),
-            offset_mm: some(offset_mm(truth, &fitted)),
-            lengths_pct: some(length_error_pct(truth, &fitted)),
-            knee_deg: some(rms_deg(&KNEES, truth, &fitted)),
-            z: errors_in_sd(truth, &fitted, fit),
-        }
-    }
-}
-
-fn errors_in_sd(truth: &Trajectories, fitted: &Trajectories, fit: &Fit) -> Vec<f64> {
-    let index = |name: &str| fitted.names.iter().position(|n| n == name);
-    let joints: Vec<(&str, usize)> =
-        LIMB_JOINTS.iter().filter_map(|name| Some((*name, index(name)?))).collect();
-    let of_frame = |frame: usize| {
-        let uncertainty = fit.frames[frame].uncertainty.as_ref();
-        uncertainty.into_iter().flat_map({
-            let joints = &joints;
-            move |uncertainty| {
-                joints.iter().filter_map(move |(name, index)| {
-                    let error = point(fitted, name, frame)? - point(truth, name, frame)?;
-                    let sd = uncertainty.points[*index].diagonal().map(f64::sqrt);
-                    Some(error.component_div(&sd))
-                })
-            }
-        })
-    };
-    (0..fit.frames.len()).flat_map(of_frame).flat_map(|z| [z.x, z.y, z.z]).collect()
-}
-
-/// In 50, 80 and 95 % intervals, percent.
-fn shares(z: &[f64]) -> [f64; 3] {
-    INTERVALS.map(|(_, sds)| within_pct(z.iter().copied(), sds))
-}
-
-fn shares_text(z: &[f64]) -> String {
-    shares(z).map(|share| format!("{share:.0}")).join(" · ")
 }
 
 /// Pairs of cameras that look at each other most nearly, and across each other, and by how much they are apart.
