@@ -186,12 +186,13 @@ fn starting_states(
 ) -> Vec<State> {
     let model = evidence.model;
     let mean = evidence.shape_prior.mean();
+    let as_tall = |hull: &Hull| shape_of_height(model, hull.top - hull.bottom);
+    let shape = hull.map_or_else(|| mean.clone(), as_tall);
     let (Some(hull), Root::Free { .. }) = (hull, model.root) else {
-        return in_leg_poses(model, &mean, Motion::rest(model)).collect();
+        return in_leg_poses(model, &shape, Motion::rest(model)).collect();
     };
 
     // upright, the head at the top of the hull
-    let shape = shape_of_height(model, hull.top - hull.bottom);
     let mut place = hull.centroid_world.coords;
     place.z = hull.top - vertical_extent(model, &shape).1;
     let upright = headings(options.headings).flat_map(|heading| {
