@@ -31,8 +31,8 @@ const REACH: f64 = 1.4;
 const VOXEL: f64 = 0.04;
 /// Half the depth of a person in a stride, metres.
 const HALF_DEPTH_M: f64 = 0.4;
-/// A hull is low if it is so many times as long as high. Who stands with arms held aside is as long as high (the span of the arms is the stature, within 5 %:
-/// ANSUR II), and who bends or squats hardly longer.
+/// A hull is low if it is so many times as long as high. Of who stands with arms held aside it is not: the span of the arms is .95 to 1.11 of the
+/// stature (99 % of ANSUR II).
 const LOW: f64 = 1.2;
 
 /// From so many cameras on, one may miss a place: a bitten mask must not cut a leg off.
