@@ -1,10 +1,11 @@
 //! All cameras of a recording.
 
+use std::fmt;
+
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 
 use super::Camera;
-use serde::{Deserialize, Serialize};
-use std::fmt;
 
 /// Which camera of a [`Rig`]: its index, from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -57,6 +58,19 @@ mod tests {
     use super::*;
     use crate::camera::{Distortion, Intrinsics};
     use crate::math::Rigid3;
+    use crate::synth::Ring;
+
+    #[test]
+    fn cameras_are_upright_in_their_world_and_not_in_one_with_another_axis_up() {
+        let rig = Ring::default().regular();
+        assert!(rig.is_upright());
+        for turn in [Vector3::x(), Vector3::y(), 2.0 * Vector3::x()] {
+            let mut turned = rig.clone();
+            let quarters = Rigid3::rotation(turn * std::f64::consts::FRAC_PI_2);
+            turned.cameras.iter_mut().for_each(|camera| camera.camera_from_world *= quarters);
+            assert!(!turned.is_upright(), "{turn}");
+        }
+    }
 
     #[test]
     fn a_camera_is_found_by_its_name() {

@@ -4,6 +4,7 @@
 //! dorsiflexion is tilt − hip + knee.
 
 use super::Movement;
+use crate::body::Side;
 
 /// A pose at a time.
 #[derive(Debug, Clone, Copy)]
@@ -13,6 +14,8 @@ pub(super) struct Key {
     pub(super) pelvis_deg: [f64; 3],
     /// By joint; a name without its side is of both. All others are at rest.
     pub(super) angles_deg: &'static [(&'static str, f64)],
+    /// The side of the body that the names on the right are of.
+    pub(super) right_is: Side,
 }
 
 /// What stays where it is on the floor.
@@ -45,14 +48,26 @@ pub(super) enum Rise {
 impl Key {
     /// The angle of a joint; `None` where it is at rest.
     pub(super) fn angle_deg(&self, joint: &str) -> Option<f64> {
-        let both = joint.strip_suffix("_r").or_else(|| joint.strip_suffix("_l"));
-        let named = |name: &str| self.angles_deg.iter().find(|(own, _)| *own == name);
-        named(joint).or_else(|| named(both?)).map(|(_, angle)| *angle)
+        let named = |name: &str| {
+            self.angles_deg.iter().find(|(own, _)| *own == name).map(|(_, angle)| *angle)
+        };
+        let Some((both, side)) =
+            joint.rsplit_once('_').filter(|(_, side)| ["r", "l"].contains(side))
+        else {
+            return named(joint);
+        };
+        let is_right = (side == "r") == (self.right_is == Side::Right);
+        named(&format!("{both}_{}", if is_right { "r" } else { "l" })).or_else(|| named(both))
     }
 }
 
 const fn key(at_s: f64, pelvis_deg: [f64; 3], angles_deg: &'static [(&'static str, f64)]) -> Key {
-    Key { at_s, pelvis_deg, angles_deg }
+    Key { at_s, pelvis_deg, angles_deg, right_is: Side::Right }
+}
+
+/// The limbs of the other side.
+const fn mirrored(key: Key) -> Key {
+    Key { right_is: Side::Left, ..key }
 }
 
 /// A pose of an upright pelvis.
@@ -80,7 +95,8 @@ const CROSSED: &[(&str, f64)] = &[
     ("shoulder_rotation", 65.0),
     ("elbow_flexion", 95.0),
 ];
-const STRIKE_R: &[(&str, f64)] = &[
+/// The right foot comes to the floor, and later drives the body on.
+const STRIKE: &[(&str, f64)] = &[
     ("hip_flexion_r", 35.0),
     ("knee_flexion_r", 20.0),
     ("ankle_dorsiflexion_r", 5.0),
@@ -91,31 +107,12 @@ const STRIKE_R: &[(&str, f64)] = &[
     ("shoulder_flexion_r", -35.0),
     ("shoulder_flexion_l", 30.0),
 ];
-const DRIVE_R: &[(&str, f64)] = &[
+const DRIVE: &[(&str, f64)] = &[
     ("hip_flexion_r", -8.0),
     ("knee_flexion_r", 35.0),
     ("ankle_dorsiflexion_r", 10.0),
     ("hip_flexion_l", 45.0),
     ("knee_flexion_l", 95.0),
-    ("elbow_flexion", 90.0),
-];
-const STRIKE_L: &[(&str, f64)] = &[
-    ("hip_flexion_l", 35.0),
-    ("knee_flexion_l", 20.0),
-    ("ankle_dorsiflexion_l", 5.0),
-    ("hip_flexion_r", -5.0),
-    ("knee_flexion_r", 75.0),
-    ("ankle_dorsiflexion_r", -10.0),
-    ("elbow_flexion", 90.0),
-    ("shoulder_flexion_l", -35.0),
-    ("shoulder_flexion_r", 30.0),
-];
-const DRIVE_L: &[(&str, f64)] = &[
-    ("hip_flexion_l", -8.0),
-    ("knee_flexion_l", 35.0),
-    ("ankle_dorsiflexion_l", 10.0),
-    ("hip_flexion_r", 45.0),
-    ("knee_flexion_r", 95.0),
     ("elbow_flexion", 90.0),
 ];
 const CROUCHED: &[(&str, f64)] = &[
@@ -127,24 +124,13 @@ const CROUCHED: &[(&str, f64)] = &[
 const STRETCHED: &[(&str, f64)] =
     &[("ankle_dorsiflexion", -30.0), ("shoulder_flexion", 150.0), ("knee_flexion", 0.0)];
 const ARMS_ASIDE: &[(&str, f64)] = &[("shoulder_abduction", 90.0), ("elbow_flexion", 3.0)];
-const CRAWL_R: &[(&str, f64)] = &[
+const CRAWL: &[(&str, f64)] = &[
     ("hip_flexion_r", 105.0),
     ("hip_flexion_l", 80.0),
     ("knee_flexion", 90.0),
     ("ankle_dorsiflexion", -45.0),
     ("shoulder_flexion_r", 78.0),
     ("shoulder_flexion_l", 98.0),
-    ("elbow_flexion", 8.0),
-    ("neck_flexion", -25.0),
-    ("wrist_deviation", 0.0),
-];
-const CRAWL_L: &[(&str, f64)] = &[
-    ("hip_flexion_l", 105.0),
-    ("hip_flexion_r", 80.0),
-    ("knee_flexion", 90.0),
-    ("ankle_dorsiflexion", -45.0),
-    ("shoulder_flexion_l", 78.0),
-    ("shoulder_flexion_r", 98.0),
     ("elbow_flexion", 8.0),
     ("neck_flexion", -25.0),
 ];
@@ -218,11 +204,11 @@ const REACH: [Key; 3] = [
     upright(1.6, &[]),
 ];
 const RUN: [Key; 5] = [
-    key(0.0, [10.0, 0.0, -8.0], STRIKE_R),
-    key(0.175, [10.0, 0.0, 0.0], DRIVE_R),
-    key(0.35, [10.0, 0.0, 8.0], STRIKE_L),
-    key(0.525, [10.0, 0.0, 0.0], DRIVE_L),
-    key(0.7, [10.0, 0.0, -8.0], STRIKE_R),
+    key(0.0, [10.0, 0.0, -8.0], STRIKE),
+    key(0.175, [10.0, 0.0, 0.0], DRIVE),
+    mirrored(key(0.35, [10.0, 0.0, 8.0], STRIKE)),
+    mirrored(key(0.525, [10.0, 0.0, 0.0], DRIVE)),
+    key(0.7, [10.0, 0.0, -8.0], STRIKE),
 ];
 const STAND_UP: [Key; 4] = [
     key(
@@ -282,9 +268,9 @@ const THROW: [Key; 4] = [
     upright(1.6, &[]),
 ];
 const ALL_FOURS: [Key; 3] = [
-    key(0.0, [90.0, 0.0, 0.0], CRAWL_R),
-    key(0.6, [90.0, 0.0, 0.0], CRAWL_L),
-    key(1.2, [90.0, 0.0, 0.0], CRAWL_R),
+    key(0.0, [90.0, 0.0, 0.0], CRAWL),
+    mirrored(key(0.6, [90.0, 0.0, 0.0], CRAWL)),
+    key(1.2, [90.0, 0.0, 0.0], CRAWL),
 ];
 const LIE: [Key; 3] = [
     key(0.0, [-90.0, 0.0, 0.0], LYING),
