@@ -13,7 +13,7 @@ use super::camera_fit::{CameraFitArguments, check_free};
 use super::choice::{Choice, one_of};
 use super::error::CliError;
 use super::lenses_found::{lenses_json, lenses_text};
-use super::said::Said;
+use super::said::{Said, in_a_line};
 use super::switches::{Output, Threads};
 use super::table::Table;
 
@@ -188,13 +188,8 @@ fn text(rig: &RefinedRig, written: &[PathBuf], seconds: f64) -> String {
         "{}{}{} from {recordings} in {seconds:.1} s\n",
         table.text(),
         kept.collect::<String>(),
-        names(written)
+        in_a_line(written)
     )
-}
-
-pub(super) fn names(written: &[PathBuf]) -> String {
-    let files: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
-    files.join(", ")
 }
 
 fn as_json(rig: &RefinedRig, written: &[PathBuf], seconds: f64) -> Value {

@@ -6,7 +6,7 @@ use maquette::pipeline::{PlaceSd, Size};
 use maquette::workflow::LensRig;
 use serde_json::{Value, json};
 
-use super::calibrate::names;
+use super::said::in_a_line;
 use super::table::Table;
 
 /// Where each camera stands, and how well that is known.
@@ -35,7 +35,7 @@ pub(super) fn lenses_text(found: &LensRig, written: &[PathBuf], seconds: f64) ->
         found.placed.sights,
         found.placed.spread,
         size(found),
-        names(written),
+        in_a_line(written),
     )
 }
 

@@ -1,5 +1,7 @@
 //! What a command has to say of what it found.
 
+use std::path::PathBuf;
+
 use serde_json::Value;
 
 use super::switches::{Output, print_notes};
@@ -19,4 +21,10 @@ impl Said {
         print_notes(&self.notes);
         output.summarise(|| self.text, || self.json);
     }
+}
+
+/// The files that were written.
+pub(super) fn in_a_line(written: &[PathBuf]) -> String {
+    let files: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
+    files.join(", ")
 }

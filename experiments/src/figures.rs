@@ -1,13 +1,13 @@
 //! What a fit is compared by.
 
+use maquette::body::Motion;
 use maquette::io::points::trc::Trajectories;
 use maquette::pipeline::Fit;
 
 use crate::metrics::{
     INTERVALS, KNEES, LIMB_JOINTS, length_error_pct, mpjpe_mm, offset_mm, point, rms_deg,
-    within_pct,
+    trajectories, within_pct,
 };
-use crate::recorded::fitted;
 
 /// How far a fit is from the truth, and how far in its own standard deviations.
 #[derive(Debug, Clone)]
@@ -37,6 +37,12 @@ impl Figures {
             z: errors_in_sd(truth, &fitted, fit),
         }
     }
+}
+
+/// The joint centres of a fit.
+pub fn fitted(fit: &Fit, fps: f64) -> Trajectories {
+    let motions: Vec<Motion> = fit.frames.iter().map(|f| f.fit.motion.clone()).collect();
+    trajectories(&fit.model, &fit.shape, &motions, fps)
 }
 
 fn errors_in_sd(truth: &Trajectories, fitted: &Trajectories, fit: &Fit) -> Vec<f64> {

@@ -3,7 +3,6 @@
 use std::error::Error;
 use std::path::Path;
 
-use maquette::body::Motion;
 use maquette::camera::Rig;
 use maquette::image::Mask;
 use maquette::inference::Sequence;
@@ -18,7 +17,6 @@ use maquette::workflow::DEFAULT_BODY;
 use rayon::prelude::*;
 
 use crate::figures::Figures;
-use crate::metrics::trajectories;
 
 /// The trajectories of a TRC file.
 ///
@@ -26,12 +24,6 @@ use crate::metrics::trajectories;
 /// If it is missing, or cannot be read.
 pub fn read_trajectories(path: &Path) -> Result<Trajectories, Box<dyn Error>> {
     Ok(read_trc(&std::fs::read_to_string(path)?, path)?)
-}
-
-/// The joint centres of a fit.
-pub fn fitted(fit: &Fit, fps: f64) -> Trajectories {
-    let motions: Vec<Motion> = fit.frames.iter().map(|f| f.fit.motion.clone()).collect();
-    trajectories(&fit.model, &fit.shape, &motions, fps)
 }
 
 /// Cameras and masks of a recording, and the truth.

@@ -40,6 +40,11 @@ impl Motion {
     pub fn straight(model: &BodyModel) -> Self {
         Self { angles: DVector::zeros(model.joints.len()), ..Self::rest(model) }
     }
+
+    /// The direction of the root's x axis, in which the body faces, in the world.
+    pub fn forwards_world(&self) -> Vector3<f64> {
+        self.world_from_root * Vector3::x()
+    }
 }
 
 /// θ of one frame: motion and shape.

@@ -9,12 +9,7 @@ use crate::body::{BodyModel, Motion, Root, State};
 
 /// Whether two bodies face to opposite sides, seen from above.
 fn faces_away(one: &Motion, other: &Motion) -> bool {
-    forwards(one).xy().dot(&forwards(other).xy()) < 0.0
-}
-
-/// The direction of the root's x axis.
-pub(super) fn forwards(motion: &Motion) -> Vector3<f64> {
-    motion.world_from_root * Vector3::x()
+    one.forwards_world().xy().dot(&other.forwards_world().xy()) < 0.0
 }
 
 /// Whether one trial faces away from another in the first frame that both have.

@@ -1,6 +1,5 @@
 //! One hypothesis along the Markov chain, forwards and backwards from its keyframe (ZS06, Alg. 1, line 4).
 
-use super::facing::forwards;
 use super::frame::{FrameFit, FramePosterior};
 use super::start::{StartOptions, readings_by};
 use super::step::{MotionModel, StepPrior, extrapolate};
@@ -52,7 +51,7 @@ impl Tracking<'_> {
         let is_shown = before.observations > 0.0 && after.observations > 0.0;
         let layout = Layout::new(self.evidence.model);
         let way = layout.motion_difference(&before.motion, &after.motion);
-        let is_alike = forwards(&before.motion).dot(&forwards(motion)) > ALIKE;
+        let is_alike = before.motion.forwards_world().dot(&motion.forwards_world()) > ALIKE;
         (is_shown && is_alike).then(|| layout.retract_motion(motion, &way))
     }
 }

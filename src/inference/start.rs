@@ -15,7 +15,6 @@ use nalgebra::{DVector, Point3, Rotation3, Vector3};
 use rayon::prelude::*;
 
 use super::detail::Detail;
-use super::facing::forwards;
 use super::frame::{FramePosterior, KeyframePosterior};
 use super::hull::{self, Hull};
 use super::joints::{BONES, Joints};
@@ -326,7 +325,7 @@ fn shape_of_height(model: &BodyModel, height: f64) -> Shape {
 
 /// The best reading of each side that the body can face; these are more than 90° apart.
 fn distinct_headings(readings: Vec<Reading>) -> Vec<Reading> {
-    let forward = |r: &Reading| forwards(&r.state.motion);
+    let forward = |r: &Reading| r.state.motion.forwards_world();
     let mut distinct: Vec<Reading> = Vec::new();
     for reading in readings {
         let turned_away = |kept: &Reading| forward(kept).dot(&forward(&reading)) < 0.0;

@@ -11,7 +11,7 @@ use super::joint_stage::{Joined, JointStage};
 use super::measures::Measures;
 use super::{CameraQuality, EstimateOptions, Progress, points, quality};
 use crate::body::{BodyModel, Layout, Motion, Posed, Shape};
-use crate::camera::{CameraId, Rig};
+use crate::camera::{Camera, CameraId, Rig};
 use crate::inference::SequenceState;
 use crate::inference::camera_offset::CameraOffset;
 use crate::inference::camera_prior::Free;
@@ -162,7 +162,14 @@ impl Estimate {
 
     /// How well it covers what each camera saw; `frames` are its own.
     pub(super) fn qualities(&self, frames: &[FittedFrame]) -> Vec<CameraQuality> {
-        quality::camera_qualities(&self.rig, frames, &self.cameras)
+        let of = |(camera, found): (&Camera, &CameraFound)| {
+            let views = frames.iter().flat_map(|frame| &frame.views);
+            let views: Vec<_> = views.filter(|view| view.camera == camera.name).collect();
+            let detected = frames.iter().flat_map(|frame| &frame.detections);
+            let detected: Vec<_> = detected.filter(|seen| seen.camera == camera.name).collect();
+            CameraQuality::new(camera, *found, &views, &detected)
+        };
+        self.rig.cameras.iter().zip(&self.cameras).map(of).collect()
     }
 
     /// How often the cost of the data that chose between hypotheses counts.

@@ -5,10 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use super::camera_found::CameraFound;
 use super::detected::{DetectedQuality, DetectionQuality};
-use super::fitted::FittedFrame;
 use super::overlap::overlap;
 use crate::body::{Posed, Shape};
-use crate::camera::{Camera, CameraId, Rig};
+use crate::camera::{Camera, CameraId};
 use crate::inference::frame::FrameFit;
 use crate::inference::{Detail, Evidence, Terms};
 use crate::math::stats::{mean, median};
@@ -129,34 +128,26 @@ pub(super) fn sampled_iou(
     mean(overlaps)
 }
 
-/// Each camera over all frames.
-pub(super) fn camera_qualities(
-    rig: &Rig,
-    frames: &[FittedFrame],
-    found: &[CameraFound],
-) -> Vec<CameraQuality> {
-    let of = |(camera, found): (&Camera, &CameraFound)| {
-        let views: Vec<&ViewQuality> = frames
-            .iter()
-            .flat_map(|frame| frame.views.iter().filter(|view| view.camera == camera.name))
-            .collect();
+impl CameraQuality {
+    /// Over all frames, of what this camera saw in them.
+    pub(super) fn new(
+        camera: &Camera,
+        found: CameraFound,
+        views: &[&ViewQuality],
+        detected: &[&DetectionQuality],
+    ) -> Self {
         let points: usize = views.iter().map(|v| v.points).sum();
         let square = |v: &&ViewQuality| Some(v.points as f64 * v.rms_px?.powi(2));
         let squares: f64 = views.iter().filter_map(square).sum();
-
-        let detected = frames.iter().flat_map(|frame| &frame.detections);
-        let detected: Vec<&DetectionQuality> =
-            detected.filter(|picture| picture.camera == camera.name).collect();
         let overlaps = views.iter().map(|view| view.iou);
-        CameraQuality {
+        Self {
             camera: camera.name.clone(),
             frames: views.len(),
             mean_iou: mean(overlaps).unwrap_or(0.0),
             median_px: median(&mut views.iter().filter_map(|v| v.median_px).collect()),
             rms_px: (points > 0).then(|| (squares / points as f64).sqrt()),
-            detections: DetectedQuality::new(&detected),
-            found: *found,
+            detections: DetectedQuality::new(detected),
+            found,
         }
-    };
-    rig.cameras.iter().zip(found).map(of).collect()
+    }
 }

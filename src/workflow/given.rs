@@ -1,6 +1,6 @@
 //! What a recording has before anything is made of its pictures, and what a fit of it reads.
 
-use super::input::body;
+use super::body::body;
 use super::{Error, FitOptions, SilhouetteSource};
 use crate::io::recording::footage::FootageError;
 use crate::io::recording::{InputChecksum, ObservationFiles, Recording, RecordingError};

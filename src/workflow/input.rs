@@ -1,23 +1,19 @@
 //! Everything that a fit is made from.
 
-use std::path::Path;
-
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
+use super::body::body;
 use super::derived::Derived;
 use super::mistakes::{check_detections, check_poses};
 use super::{Error, FitOptions, detections};
 use crate::body::BodyModel;
 use crate::inference::Sequence;
-use crate::io::model::{self, ModelText};
+
 use crate::io::recording::{InputChecksum, Note, ObservationFiles, Recording};
 use crate::io::result::OptionsPart;
 use crate::pipeline::{FitError, FitTo, Progress, check_measure, check_scene, fits_points};
 use crate::silhouette::FrameObservations;
-
-/// The body when nobody names one: its contours and depths are those of a skin.
-pub const DEFAULT_BODY: &str = "human-metaballs";
 
 /// Everything that a fit is made from, read and checked.
 #[derive(Debug)]
@@ -144,22 +140,6 @@ pub(super) fn identity(
         "last frame": ends[1],
         "options": options,
     })
-}
-
-/// The body that was asked for, or that the recording names, and the fingerprints of all that it was read from.
-pub(super) fn body(
-    options: &FitOptions,
-    recording: &Recording,
-) -> Result<(BodyModel, Vec<InputChecksum>), Error> {
-    let (name, folder) = match (options.body.as_deref(), recording.body()) {
-        (Some(name), _) => (name, Path::new("")),
-        (None, Some(name)) => (name, recording.folder()),
-        (None, None) => (DEFAULT_BODY, Path::new("")),
-    };
-    let (model, texts) = model::load_with_texts(name, folder)?;
-    let checksum =
-        |file: &ModelText| InputChecksum::from_text(format!("body {}", file.name), &file.text);
-    Ok((model, texts.iter().map(checksum).collect()))
 }
 
 /// What the files show in the frames that were asked for; masks are dropped as soon as they are traced.

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
+use super::body::body;
 use super::calibrate::{write_rig, written_files};
-use super::{CalibrateError, Error, FitFolder, FitOptions, input};
+use super::{CalibrateError, Error, FitFolder, FitOptions};
 use crate::body::{BodyModel, Shape};
 use crate::camera::Rig;
 use crate::io::calibration::{CalibrationOptions, CameraEstimate};
@@ -59,7 +60,7 @@ impl LensRig {
     ) -> Result<Self, Error> {
         // 1. by the detections alone
         let recording = Recording::open(path)?.with_fps(fps);
-        let (model, _) = input::body(options, &recording)?;
+        let (model, _) = body(options, &recording)?;
         let seen = Seen::read(&recording.clone().with_lenses_alone(), options, progress)?;
         let size = match (size, recording.height_m()) {
             (Size::Usual, Some(height_m)) => Size::Height(height_m),

@@ -8,6 +8,7 @@
 //! | `options.rs`  | [`FitOptions`]: how a recording is fitted                                     |
 //! | `fit.rs`      | `Recording::fit`, in memory, and `Recording::fit_into` a folder               |
 //! | `input.rs`    | everything that a fit is made from                                            |
+//! | `body.rs`     | which body is fitted                                                          |
 //! | `mistakes.rs` | usual mistakes that are told before anything is searched                      |
 //! | `people.rs`   | what is fitted of each person of several                                     |
 //! | `derived.rs`  | what a recording lacks, made of its pictures: masks, contours, points         |
@@ -28,6 +29,7 @@
 //! | `skin.rs`     | the skins of a fitted body                                                    |
 //! | `error.rs`    | [`Error`]                                                                     |
 
+mod body;
 mod calibrate;
 mod derived;
 mod detections;
@@ -55,13 +57,13 @@ mod skin;
 mod surface;
 mod sync;
 
+pub use body::DEFAULT_BODY;
 pub use calibrate::{CalibrateError, RefinedCamera, RefinedRig, UsedRecording};
 pub use error::Error;
 pub use export::ExportFormat;
 pub use fit::FitFolder;
 pub use fitted::{AngleTrack, FittedRecording, Length};
 pub use gait::{EventChoice, GaitSource, GaitStudy, NormChoice, StandingError};
-pub use input::DEFAULT_BODY;
 pub use lenses::LensRig;
 pub use masks::{MaskFiles, WrittenMasks};
 pub use options::{FitOptions, SilhouetteSource};

@@ -9,9 +9,9 @@
 use std::error::Error;
 use std::process::ExitCode;
 
-use experiments::figures::{shares, shares_text};
+use experiments::figures::{fitted, shares, shares_text};
 use experiments::metrics::{INTERVALS, point, rms};
-use experiments::recorded::{Recorded, fitted};
+use experiments::recorded::Recorded;
 use experiments::run::{Run, shared_data};
 use experiments::table::Table;
 use maquette::camera::{Camera, Rig};

@@ -11,6 +11,8 @@ use super::shown_by_two;
 use crate::image::{Mask, opened};
 use crate::silhouette::{FrameObservations, Silhouette};
 
+/// Silhouettes of which less is thin have lost arms, hands and feet.
+pub(super) const LEAST_THIN: f64 = 0.02;
 /// Frames that are looked at.
 const SAMPLED_FRAMES: usize = 4;
 /// Rows into which a silhouette is sampled, and the radius of the disk.

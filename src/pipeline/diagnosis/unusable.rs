@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 
 use super::cause::{Cause, Reason};
-use super::thin::thin_share;
-use super::verdict::Diagnosis;
+use super::thin::{LEAST_THIN, thin_share};
+use super::verdict::{Diagnosis, GOOD_OVERLAP};
 use crate::inference::camera_prior::Free;
 use crate::math::stats::median;
 use crate::pipeline::FittedFrame;
@@ -15,8 +15,6 @@ pub(in crate::pipeline) const LEAST_OVERLAP: f64 = 0.65;
 const MOST_DETECTED: f64 = 0.25;
 /// A shape this many times as improbable as usual is nobody's: upside-down cameras gave 43, people in clothes up to 8.
 const MOST_BODY: f64 = 10.0;
-/// Silhouettes of which less is thin have lost arms, hands and feet.
-pub(super) const LEAST_THIN: f64 = 0.02;
 /// More lost frames than this share, and nobody knows which are right.
 const MOST_LOST: f64 = 0.33;
 /// Cameras are kicked and bumped by less, metres.
@@ -25,8 +23,6 @@ pub(in crate::pipeline) const MOST_DISPLACED_M: f64 = 1.0;
 pub(in crate::pipeline) const LOST_SHARE: f64 = 0.8;
 /// One whose detections lie farther off than so many times the median frame's, and too far by themselves, is lost too.
 const LOST_OFF: f64 = 3.0;
-/// Above this overlap there is no reason to look for what the masks hold besides.
-pub(super) const GOOD_OVERLAP: f64 = 0.85;
 
 impl Diagnosis<'_> {
     /// The figures beyond their limits.

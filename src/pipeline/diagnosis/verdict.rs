@@ -10,7 +10,6 @@ use super::room::still_shares;
 use super::seen::{STILL_PART, Seen, WHOLE, cut_off, still_parts};
 use super::shown_by_two;
 use super::stature::{stature_m, wrong_stature_m};
-use super::unusable::GOOD_OVERLAP;
 use super::upright::head_axis;
 use super::volume::{Volume, apart_l, size_m, still_share, volumes};
 use crate::body::{Posed, Root, Shape};
@@ -52,6 +51,8 @@ impl Verdict {
 
 /// Of a body that is too large for a person, smaller ones count too: it covers a part of what stands still.
 const SMALL_STILL_PART: f64 = 0.1;
+/// Above this overlap there is no reason to look for what the masks hold besides.
+pub(super) const GOOD_OVERLAP: f64 = 0.85;
 pub(super) const BODY_L: f64 = 15.0;
 /// Of a fit that cannot be used, and for which nothing else was found, a limb's volume counts too, litres: an arm.
 const LIMB_L: f64 = 3.5;

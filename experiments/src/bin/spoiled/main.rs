@@ -15,8 +15,9 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use damage::{Damage, as_recorded, damages, recalibrated};
+use experiments::figures::fitted;
 use experiments::metrics::{mpjpe_mm, rms_z};
-use experiments::recorded::{Recorded, fitted};
+use experiments::recorded::Recorded;
 use experiments::run::{Run, shared_data};
 use experiments::table::Table;
 use maquette::pipeline::Fit;
