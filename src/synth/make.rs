@@ -6,7 +6,7 @@
 //! | [`Make::Flesh`]     | follows both by shares    | uneven                     | skin                       |
 //! | [`Make::Dressed`]   | follows both by shares    | uneven                     | cloth, shoes, hair         |
 //!
-//! *By shares* is linear blend skinning, as in animators' programs. *Uneven*: the skin lies u(x) outside that of the metaballs, a
+//! *By shares* is linear blend skinning, as in animators' programs, with shares that change as fast as those of their skins (`shares.rs`). *Uneven*: the skin lies u(x) outside that of the metaballs, a
 //! random sum of waves 10 to 30 cm long with a standard deviation of 5 mm, the same on both sides of the body. What is worn lies outside
 //! the skin, by an amount that is drawn for each person and varies by a half along it. Ease of garments (what their girth is more than
 //! the body's) is 6 to 12 cm around the chest and 4 to 10 cm around the thigh (Aldrich, *Metric pattern cutting for menswear*): divided
@@ -17,6 +17,7 @@ use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 
 use super::bound_skin::BoundSkin;
+use super::shares::sharpen;
 use super::worn::{self, HAIR, SHIRT, SHOES, TROUSERS, ZONES};
 use crate::body::{BodyModel, Shape};
 use crate::skin::SkinError;
@@ -63,6 +64,7 @@ impl Make {
         }
 
         let mut bound = BoundSkin::new(model, shape)?;
+        sharpen(model, &mut bound.skin);
         let uneven = Waves::random(rng);
         let is_dressed = self == Self::Dressed;
         let worn = is_dressed.then(|| (Worn::random(rng), worn::zones(model, &bound.skin)));

@@ -9,7 +9,7 @@
 //! | `shape.rs`   | [`draw_shape`]: a body drawn from a model's statistics                      |
 //! | `centres.rs` | [`draw_centres`]: where in the flesh a person's joint centres lie       |
 //! | `make.rs`    | [`Make`]: what a person is made of                                        |
-//! | `bound_skin.rs`, `worn.rs` | a skin that bones move, and what is worn where on it |
+//! | `bound_skin.rs`, `shares.rs`, `worn.rs` | a skin that bones move, by which shares, and what is worn where on it |
 //! | `curves.rs`  | [`Curve`], normative joint angles over the gait cycle                       |
 //! | `walking_style.rs` | [`WalkingStyle`]: the angles over one person's gait cycle |
 //! | `contact.rs` | soles, and how the floor holds them                                         |
@@ -33,6 +33,7 @@ mod noise;
 mod recording;
 mod scene;
 mod shape;
+mod shares;
 mod walk;
 mod walking_style;
 mod worn;
