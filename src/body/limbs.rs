@@ -17,7 +17,7 @@ impl BodyModel {
         let parents = self.part_parents();
         let mut carries = vec![false; self.parts.len()];
         for ball in &self.metaballs {
-            for part in up(&parents, ball.part.0) {
+            for part in towards_root(&parents, ball.part.0) {
                 carries[part] = true;
             }
         }
@@ -36,7 +36,7 @@ impl BodyModel {
 
         let limb = |tip: usize| {
             let mut limb = vec![PartId(tip)];
-            for part in up(&parents, tip).skip(1) {
+            for part in towards_root(&parents, tip).skip(1) {
                 limb.push(PartId(part));
                 if children[part] > 1 {
                     break;
@@ -75,7 +75,7 @@ impl BodyModel {
 }
 
 /// A part and the parts that carry it, towards the root.
-fn up(parents: &[Option<usize>], part: usize) -> impl Iterator<Item = usize> {
+pub(crate) fn towards_root(parents: &[Option<usize>], part: usize) -> impl Iterator<Item = usize> {
     std::iter::successors(Some(part), |&p| parents[p])
 }
 

@@ -22,6 +22,7 @@ mod state;
 pub use check::check_kinematics;
 pub use jacobian::EllipsoidJacobians;
 pub use keypoints::{KEYPOINT_SD_M, PointSlopes};
+pub(crate) use limbs::towards_root;
 pub use model::{
     BodyModel, CoefficientId, FrameId, Joint, JointId, Limbs, ModelError, NamedPoint, Part, PartId,
     Pose, Primitive, Root, ShapeStatistics, Turn,

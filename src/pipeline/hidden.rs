@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::Warning;
 use super::overlap::{Covering, projected};
-use crate::body::{BodyModel, Motion, PartId, Posed, Primitive, Root, Shape};
+use crate::body::{BodyModel, Motion, PartId, Posed, Primitive, Root, Shape, towards_root};
 use crate::camera::Camera;
 use crate::inference::Evidence;
 use crate::silhouette::FrameObservations;
@@ -58,7 +58,7 @@ fn limbs(model: &BodyModel) -> Vec<Vec<PartId>> {
     let children = |part: usize| parents.iter().filter(|p| **p == Some(part)).count();
     let tips = (0..model.parts.len()).filter(|part| children(*part) == 0);
     let limb = |tip: usize| {
-        let chain = std::iter::successors(Some(tip), |part| parents[*part]);
+        let chain = towards_root(&parents, tip);
         chain.take_while(|part| children(*part) < 2).map(PartId).collect::<Vec<PartId>>()
     };
     tips.map(limb).filter(|limb| !limb.is_empty()).collect()

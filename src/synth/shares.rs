@@ -12,8 +12,8 @@
 //! So the odds of both sides of knee, elbow and wrist are squared, w ↦ w²/(w² + (1 − w)²). That halves the length, and leaves
 //! the place where both have one half.
 
-use crate::body::BodyModel;
-use crate::skin::SkinnedMesh;
+use crate::body::{BodyModel, towards_root};
+use crate::skin::{BONES, SkinnedMesh};
 
 /// The parts beyond the joints at which the walker's flesh follows over twice the length, by the beginnings of their names.
 const BEYOND: [&str; 3] = ["shank", "forearm", "hand"];
@@ -23,20 +23,21 @@ pub(super) fn sharpen(model: &BodyModel, skin: &mut SkinnedMesh) {
     let parents = model.part_parents();
     let named = |part: &usize| BEYOND.iter().any(|name| model.parts[*part].name.starts_with(name));
     for root in (0..model.parts.len()).filter(named) {
-        let carries = |part: &u8| {
-            let up = std::iter::successors(Some(usize::from(*part)), |&p| parents[p]);
-            up.into_iter().any(|p| p == root)
-        };
         for (parts, weights) in skin.parts.iter().zip(&mut skin.weights) {
-            let is_beyond = parts.map(|part| carries(&part));
-            let both = weights.iter().zip(is_beyond);
-            let beyond: f32 = both.filter(|(_, is)| *is).map(|(weight, _)| weight).sum();
-            let before = weights.iter().sum::<f32>() - beyond;
-            let squares = (beyond * beyond + before * before).max(f32::MIN_POSITIVE);
-            for (weight, is_beyond) in weights.iter_mut().zip(is_beyond) {
-                *weight *= if is_beyond { beyond } else { before } / squares;
-            }
+            let is_on_root = |part: u8| towards_root(&parents, part.into()).any(|p| p == root);
+            square_odds(weights, parts.map(is_on_root));
         }
+    }
+}
+
+/// Squares the odds of the weights of what lies beyond a joint against those before it; all are 1 together, before and after.
+fn square_odds(weights: &mut [f32; BONES], is_beyond: [bool; BONES]) {
+    let both = weights.iter().zip(is_beyond);
+    let beyond: f32 = both.filter(|(_, is)| *is).map(|(weight, _)| weight).sum();
+    let before = weights.iter().sum::<f32>() - beyond;
+    let squares = beyond * beyond + before * before;
+    for (weight, is_beyond) in weights.iter_mut().zip(is_beyond) {
+        *weight *= if is_beyond { beyond } else { before } / squares;
     }
 }
 

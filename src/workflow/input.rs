@@ -9,7 +9,6 @@ use super::mistakes::{check_detections, check_poses};
 use super::{Error, FitOptions, detections};
 use crate::body::BodyModel;
 use crate::inference::Sequence;
-
 use crate::io::recording::{InputChecksum, Note, ObservationFiles, Recording};
 use crate::io::result::OptionsPart;
 use crate::pipeline::{FitError, FitTo, Progress, check_measure, check_scene, fits_points};
