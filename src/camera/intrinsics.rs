@@ -37,6 +37,23 @@ impl Intrinsics {
         )
     }
 
+    /// K⁻¹.
+    pub fn inverse_matrix(&self) -> Matrix3<f64> {
+        let Self { fx_px, fy_px, cx_px, cy_px, skew_px } = *self;
+        let skew = -skew_px / (fx_px * fy_px);
+        Matrix3::new(
+            1.0 / fx_px,
+            skew,
+            -cx_px / fx_px - skew * cy_px,
+            0.0,
+            1.0 / fy_px,
+            -cy_px / fy_px,
+            0.0,
+            0.0,
+            1.0,
+        )
+    }
+
     /// f = (f_x + f_y)/2: at depth z a metre across the line of sight is f/z pixels.
     pub fn focal_px(&self) -> f64 {
         0.5 * (self.fx_px + self.fy_px)

@@ -9,12 +9,14 @@
 //! A [`Rig`] is all cameras of a recording in one world; [`Rig::common_view`] says whether they look at one volume.
 //! [`UpAxis`] converts between that world, with Z up, and those of files; [`PoseForm`] says what a file's R and t mean.
 //! [`essential_matrices`] says how two cameras stand to each other whose lenses alone are known.
+//! [`InfiniteHomography`] goes from the pixels of a camera to those of another at the same place.
 //! [`check_projection`] is the law that every camera model here obeys.
 
 mod check;
 mod common_view;
 mod distortion;
 mod essential;
+mod homography;
 mod intrinsics;
 mod pinhole;
 mod pose_form;
@@ -26,6 +28,7 @@ pub use check::{ProjectionFault, check_projection};
 pub use common_view::{Blindness, CommonView};
 pub use distortion::Distortion;
 pub use essential::{essential_matrices, poses_of_essential};
+pub use homography::InfiniteHomography;
 pub use intrinsics::Intrinsics;
 pub use pinhole::Camera;
 pub use pose_form::PoseForm;

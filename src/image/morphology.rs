@@ -1,34 +1,63 @@
 //! Opening, closing and widening a mask with a disk.
-
-use ::image::GrayImage;
-use imageproc::distance_transform::Norm;
-use imageproc::morphology::{close, dilate, open};
+//!
+//! A pixel lies within r of a mask if in one of the rows y + j, |j| ≤ r, a pixel of the mask is at most √(r² − j²) columns aside. So
+//! the distances along the rows are found once, and every row asks those about it.
 
 use super::{Mask, Plane};
 
 /// A mask with its gaps narrower than a disk of this radius filled.
 pub fn closed(mask: &Mask, radius_px: u8) -> Mask {
-    through(mask, |grey| close(grey, Norm::L2, radius_px))
+    narrowed(&widened(mask, radius_px), radius_px)
 }
 
 /// A mask without its pieces narrower than a disk of this radius.
 pub fn opened(mask: &Mask, radius_px: u8) -> Mask {
-    through(mask, |grey| open(grey, Norm::L2, radius_px))
+    widened(&narrowed(mask, radius_px), radius_px)
 }
 
 /// A mask, widened by this radius on all sides.
 pub fn widened(mask: &Mask, radius_px: u8) -> Mask {
-    through(mask, |grey| dilate(grey, Norm::L2, radius_px))
+    let (width, height) = (mask.width(), mask.height());
+    let mut aside = Plane::filled(width, height, u16::MAX);
+    for y in 0..height {
+        write_distances(mask.row(y), aside.row_mut(y));
+    }
+
+    let radius = usize::from(radius_px);
+    let mut wider = Plane::filled(width, height, 0);
+    for y in 0..height {
+        let row = wider.row_mut(y);
+        for other in y.saturating_sub(radius)..(y + radius + 1).min(height) {
+            let half = (radius.pow(2) - y.abs_diff(other).pow(2)).isqrt() as u16;
+            for (pixel, aside) in row.iter_mut().zip(aside.row(other)) {
+                *pixel |= u8::from(*aside <= half);
+            }
+        }
+    }
+    Mask::from_ones(wider)
 }
 
-fn through(mask: &Mask, operation: impl Fn(&GrayImage) -> GrayImage) -> Mask {
-    let (width, height) = (mask.width(), mask.height());
-    let values = (0..height).flat_map(|y| mask.row(y)).map(|v| 255 * v);
-    let changed = GrayImage::from_raw(width as u32, height as u32, values.collect())
-        .map(|grey| operation(&grey).into_raw())
-        .and_then(|values| Plane::from_values(width, height, values));
-    // a mask has as many values as pixels
-    changed.map_or_else(|| mask.clone(), |plane| Mask::brighter_than(&plane, 127))
+/// A mask without what lies within this radius of the background; beyond the image there is none.
+fn narrowed(mask: &Mask, radius_px: u8) -> Mask {
+    inverted(&widened(&inverted(mask), radius_px))
+}
+
+fn inverted(mask: &Mask) -> Mask {
+    Mask::from_fn(mask.width(), mask.height(), |x, y| !mask.is_foreground(x, y))
+}
+
+/// How far each pixel of a row is from the nearest that is 1, px; [`u16::MAX`] without any.
+fn write_distances(row: &[u8], distances: &mut [u16]) {
+    let mut last = u16::MAX;
+    for (distance, pixel) in distances.iter_mut().zip(row) {
+        last = if *pixel == 1 { 0 } else { last.saturating_add(1) };
+        *distance = last;
+    }
+    let mut next = u16::MAX;
+    for distance in distances.iter_mut().rev() {
+        next = next.saturating_add(1).min(*distance);
+        *distance = next;
+    }
 }
 
 #[cfg(test)]
@@ -55,5 +84,22 @@ mod tests {
         let pixel = Mask::from_fn(30, 30, |x, y| x == 15 && y == 15);
         assert_eq!(area(&widened(&pixel, 3)), 29);
         assert_eq!(area(&widened(&pixel, 0)), 1);
+    }
+
+    #[test]
+    fn every_radius_is_the_disk_that_its_definition_says() {
+        let spotted = |x: usize, y: usize| (x * 7 + y * 13).is_multiple_of(37) && x + y > 5;
+        let mask = Mask::from_fn(23, 17, spotted);
+        for radius in [1_u8, 2, 4, 30] {
+            let is_near = |x: usize, y: usize| {
+                let within = |(i, j): (usize, usize)| {
+                    x.abs_diff(i).pow(2) + y.abs_diff(j).pow(2) <= usize::from(radius).pow(2)
+                };
+                let mut spots = (0..17).flat_map(|j| (0..23).map(move |i| (i, j)));
+                spots.any(|(i, j)| spotted(i, j) && within((i, j)))
+            };
+            assert_eq!(widened(&mask, radius), Mask::from_fn(23, 17, is_near), "{radius}");
+        }
+        assert_eq!(area(&widened(&Mask::from_fn(23, 17, |_, _| false), 200)), 0);
     }
 }

@@ -16,7 +16,7 @@ pub enum Detail {
 /// Coarse evaluations forgive this much mismatch, m.
 const COARSE_SIGMA_M: f64 = 0.03;
 /// They look at so many points in space at most: several for each correlation length of a body.
-const COARSE_POINTS: usize = 600;
+const COARSE_POINTS: usize = 200;
 /// To approach an optimum so many are enough: they share the weights of all, see [`PointOptions`](crate::likelihood::PointOptions).
 const THINNED_POINTS: usize = 1500;
 /// They look at so few samples of each ellipse's outline.

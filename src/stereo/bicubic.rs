@@ -16,7 +16,8 @@ pub(super) struct Sample {
 ///
 /// # Source
 /// Keys 1981, *Cubic convolution interpolation for digital image processing*, a = −½.
-#[inline]
+// always: where only the value is asked for, the slopes are then not computed
+#[inline(always)]
 pub(super) fn sample(image: &Plane<f32>, x: f64, y: f64) -> Option<Sample> {
     let inside = x >= 1.0 && y >= 1.0;
     // NaN is not inside

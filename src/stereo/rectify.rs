@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Point2, Rotation3, UnitQuaternion, Vector2, Vector3};
 
 use super::DepthError;
 use super::view::{StereoView, resampled};
-use crate::camera::{Camera, Intrinsics};
+use crate::camera::{Camera, InfiniteHomography, Intrinsics};
 use crate::image::Plane;
 use crate::math::Rigid3;
 
@@ -160,10 +160,9 @@ fn cut(view: &StereoView, mut camera: Camera, columns: PixelRange, rows: PixelRa
     (camera.intrinsics.cx_px, camera.intrinsics.cy_px) = (-columns.first, -rows.first);
     (camera.width_px, camera.height_px) = (columns.count, rows.count);
     let (width, height) = (columns.count as usize, rows.count as usize);
-    let image = resampled(&view.image, width, height, |pixel| {
-        let ray = camera.ray(&pixel);
-        view.camera.project_undistorted(&ray.point_at(1.0))
-    });
+    let recorded_from_rectified = InfiniteHomography::new(&camera, &view.camera);
+    let image =
+        resampled(&view.image, width, height, |pixel| recorded_from_rectified.pixel(&pixel));
     StereoView { camera, image }
 }
 

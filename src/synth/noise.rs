@@ -1,11 +1,10 @@
 //! What a segmentation does to a true mask.
 
-use ::image::{GrayImage, Luma};
-use imageproc::distance_transform::euclidean_squared_distance_transform;
+use nalgebra::Point2;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, Poisson, StandardNormal};
 
-use crate::image::{Mask, Plane};
+use crate::image::{EvenSteps, Mask, NearestPoints, Plane};
 
 /// Errors of a segmentation, with the units of the image.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -163,31 +162,55 @@ impl Window {
 
 /// Distance to the border in pixels, negative inside.
 struct SignedDistance {
-    to_inside_squared: ::image::ImageBuffer<Luma<f64>, Vec<f64>>,
-    to_outside_squared: ::image::ImageBuffer<Luma<f64>, Vec<f64>>,
+    to_inside: Plane<f64>,
+    to_outside: Plane<f64>,
 }
 
 impl SignedDistance {
     fn new(mask: &Mask, window: &Window) -> Self {
-        let picture = |wanted: bool| {
-            GrayImage::from_fn(window.width as u32, window.height as u32, |x, y| {
-                let inside = mask.is_foreground(window.left + x as usize, window.top + y as usize);
-                Luma([u8::from(inside == wanted)])
-            })
+        let to = |wanted: bool| {
+            let is_wanted =
+                |x: usize, y: usize| mask.is_foreground(window.left + x, window.top + y) == wanted;
+            distances(window.width, window.height, is_wanted)
         };
-        Self {
-            to_inside_squared: euclidean_squared_distance_transform(&picture(true)),
-            to_outside_squared: euclidean_squared_distance_transform(&picture(false)),
-        }
+        Self { to_inside: to(true), to_outside: to(false) }
     }
 
     /// At a pixel of the window; the border lies half a pixel from the pixels beside it.
     fn at(&self, x: usize, y: usize) -> f64 {
-        let (x, y) = (x as u32, y as u32);
-        let outward = self.to_inside_squared.get_pixel(x, y).0[0].sqrt();
-        let inward = self.to_outside_squared.get_pixel(x, y).0[0].sqrt();
+        let to = |distances: &Plane<f64>| distances.get(x, y).unwrap_or(f64::INFINITY);
+        let (outward, inward) = (to(&self.to_inside), to(&self.to_outside));
         if outward > 0.0 { outward - 0.5 } else { 0.5 - inward }
     }
+}
+
+/// The distance of every pixel from the nearest that is wanted, px; infinite without any.
+fn distances(width: usize, height: usize, is_wanted: impl Fn(usize, usize) -> bool) -> Plane<f64> {
+    // the nearest to a pixel that is not wanted has one that is not wanted beside it
+    let is_border = |x: usize, y: usize| {
+        let beside = [(x + 1, y), (x.wrapping_sub(1), y), (x, y + 1), (x, y.wrapping_sub(1))];
+        let inside = |(x, y): &(usize, usize)| *x < width && *y < height;
+        is_wanted(x, y) && beside.iter().filter(|p| inside(p)).any(|&(x, y)| !is_wanted(x, y))
+    };
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let border: Vec<Point2<f64>> = pixels
+        .filter(|&(x, y)| is_border(x, y))
+        .map(|(x, y)| Point2::new(x as f64, y as f64))
+        .collect();
+
+    let mut nearest = NearestPoints::new(border.iter().copied());
+    let columns = EvenSteps { first: 0.0, step: 1.0, count: width };
+    let mut distances = Plane::filled(width, height, f64::INFINITY);
+    for y in 0..height {
+        let row = distances.row_mut(y);
+        nearest.along_row(y as f64, columns, |x, k| {
+            row[x] = (Point2::new(x as f64, y as f64) - border[k]).norm();
+        });
+        for (_, distance) in row.iter_mut().enumerate().filter(|(x, _)| is_wanted(*x, y)) {
+            *distance = 0.0;
+        }
+    }
+    distances
 }
 
 /// A Gaussian random field of variance 1 everywhere, smooth over a correlation length.

@@ -3,7 +3,7 @@
 use nalgebra::Point2;
 
 use super::filter::{rounded, whole_px};
-use crate::camera::Camera;
+use crate::camera::{Camera, InfiniteHomography};
 use crate::image::{Mask, Plane, widened};
 use crate::stereo::DepthMap;
 
@@ -30,16 +30,14 @@ pub(super) fn where_depth_ends(
 ) -> Mask {
     // where it ends, in the pixels of the rectified image
     let near = behind_filled(&nearness(map));
-    let (width, height) = (near.width(), near.height());
     let least = extreme(&near, f32::min);
     let most = extreme(&near, f32::max);
 
     // the same in the pixels of the camera
-    let rectified = &map.pair.left.camera;
+    let rectified = InfiniteHomography::new(camera, &map.pair.left.camera);
+    let (width, height) = (mask.width(), mask.height());
     let ends = Mask::from_fn(width, height, |x, y| {
-        let ray = camera.ray(&Point2::new(x as f64, y as f64));
-        let seen = rectified.project_undistorted(&ray.point_at(1.0));
-        let place = seen.and_then(|p| rounded(&p));
+        let place = rectified.pixel(&Point2::new(x as f64, y as f64)).and_then(|p| rounded(&p));
         place.is_some_and(|(x, y)| {
             let range = most.get(x, y).zip(least.get(x, y));
             range.is_some_and(|(most, least)| most - least > ENDS_PX)
@@ -90,31 +88,33 @@ fn behind_filled(nearness: &Plane<f32>) -> Plane<f32> {
 }
 
 /// The least or the greatest of every window.
-fn extreme(plane: &Plane<f32>, of: fn(f32, f32) -> f32) -> Plane<f32> {
+fn extreme(plane: &Plane<f32>, of: impl Fn(f32, f32) -> f32) -> Plane<f32> {
     let (width, height) = (plane.width(), plane.height());
-    let window = |at: usize, size: usize| {
-        at.saturating_sub(ENDS_WITHIN_PX)..(at + ENDS_WITHIN_PX + 1).min(size)
-    };
 
-    // first along the rows, then across them
-    let mut along = plane.clone();
+    // first along the rows, with unknown places at both ends
+    let mut along = Plane::filled(width, height, f32::NAN);
+    let mut row = vec![f32::NAN; width + 2 * ENDS_WITHIN_PX];
     for y in 0..height {
-        let from = plane.row(y);
-        for (x, value) in along.row_mut(y).iter_mut().enumerate() {
-            *value = from[window(x, width)].iter().copied().fold(f32::NAN, of);
+        row[ENDS_WITHIN_PX..ENDS_WITHIN_PX + width].copy_from_slice(plane.row(y));
+        for shift in 0..=2 * ENDS_WITHIN_PX {
+            widen(along.row_mut(y), &row[shift..], &of);
         }
     }
-    let mut both = plane.clone();
+
+    // then across them
+    let mut both = Plane::filled(width, height, f32::NAN);
     for y in 0..height {
-        let row = both.row_mut(y);
-        row.fill(f32::NAN);
-        for k in window(y, height) {
-            for (value, other) in row.iter_mut().zip(along.row(k)) {
-                *value = of(*value, *other);
-            }
+        for other in y.saturating_sub(ENDS_WITHIN_PX)..(y + ENDS_WITHIN_PX + 1).min(height) {
+            widen(both.row_mut(y), along.row(other), &of);
         }
     }
     both
+}
+
+fn widen(row: &mut [f32], other: &[f32], of: impl Fn(f32, f32) -> f32) {
+    for (value, other) in row.iter_mut().zip(other) {
+        *value = of(*value, *other);
+    }
 }
 
 #[cfg(test)]

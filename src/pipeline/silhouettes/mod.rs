@@ -15,6 +15,7 @@
 //! A contour point counts in the likelihood by its reliability. Lengths are given in metres at the person and become pixels by
 //! the camera and the depth, so that they mean the same in every recording.
 
+mod abreast;
 mod backing;
 mod colours;
 mod contour;

@@ -17,7 +17,7 @@ use nalgebra::{Point2, Vector2};
 use super::ends::nearness;
 use super::still::{NEARER_PX, StillScene, StillScenes, points_where};
 use super::undistorted::UndistortedFrame;
-use crate::camera::{Camera, Rig};
+use crate::camera::{Camera, InfiniteHomography, Rig};
 use crate::image::{CleanOptions, Mask, Plane, Runs, clean, closed, opened, resample, trace};
 use crate::silhouette::{
     BorderPoint, FrameIndex, FrameObservations, Silhouette, SilhouetteOptions, from_curves,
@@ -72,10 +72,7 @@ fn silhouette(
     let mask = opened(&closed(moves, CLEAN_PX), CLEAN_PX);
     let now = still.filled_in(&nearness(map));
     let borders = trace(&clean(&Runs::from_mask(&mask), &CleanOptions::default()));
-    let seen = |pixel: &Point2<f64>| {
-        let ray = map.pair.left.camera.ray(pixel);
-        camera.project_undistorted(&ray.point_at(1.0))
-    };
+    let recorded = InfiniteHomography::new(&map.pair.left.camera, camera);
     let curve = |border: &Vec<Point2<f64>>| {
         let pixels = resample(border, SPACING_PX);
         let n = pixels.len();
@@ -84,7 +81,7 @@ fn silhouette(
             // the person is on the left as seen on the screen
             let inwards = Vector2::new(along.y, -along.x).try_normalize(0.0)?;
             Some(BorderPoint {
-                pixel: seen(&pixels[i])?,
+                pixel: recorded.pixel(&pixels[i])?,
                 reliability: f64::from(u8::from(
                     depth_ends(&now, &pixels[i], &inwards)
                         .is_some_and(|near| both_see(&map.pair, &pixels[i], &inwards, near)),

@@ -2,13 +2,14 @@
 
 use std::convert::Infallible;
 
+use super::abreast::each_frame;
 use super::{ContourOptions, FrameSighting, Scene, StartingFit, UndistortedFrame};
 use crate::body::{BodyModel, Posed};
 use crate::image::Picture;
 use crate::inference::Evidence;
 use crate::likelihood::{LikelihoodOptions, Measure, SkinScale};
 use crate::math::stats::mean;
-use crate::pipeline::{PictureSource, Progress, span};
+use crate::pipeline::{PictureSource, Progress};
 use crate::silhouette::{FrameIndex, FrameObservations};
 
 /// Turns of contours and joint optimum: with two a body of plain build is still too thin, with more it may drift to edges
@@ -185,15 +186,15 @@ impl<P: PictureSource> SilhouetteSearch<'_, P> {
         let scale = SkinScale::new(body);
         let mut skipped = Vec::new();
 
-        progress.begin(stage, self.frames.len());
-        for (frame, pictures) in self.pictures.pictures(span(self.frames)) {
-            match self.sighting(body, fit, frame, &pictures, &scale) {
-                Ok(sighting) => take(FrameSilhouettes { frame, pictures: &pictures, sighting })?,
-                Err(why) => skipped.push(format!("{frame}: {why}")),
+        let look = |frame, pictures: &[_]| self.sighting(body, fit, frame, pictures, &scale);
+        let stage = (stage, progress);
+        each_frame(self.pictures, self.frames, stage, look, |frame, pictures, seen| match seen {
+            Ok(sighting) => take(FrameSilhouettes { frame, pictures, sighting }),
+            Err(why) => {
+                skipped.push(format!("{frame}: {why}"));
+                Ok(())
             }
-            progress.step();
-        }
-        progress.end();
+        })?;
         Ok(skipped)
     }
 

@@ -25,15 +25,11 @@ pub(super) struct SeenDepths {
 }
 
 impl SeenDepths {
-    /// None yet, of the camera that sees a depth map.
-    pub(super) fn of(map: &DepthMap) -> Self {
+    /// Those of one frame.
+    pub(super) fn of(frame: FrameIndex, map: &DepthMap) -> Self {
         let baseline_m = map.pair.baseline().abs();
-        Self { camera: map.pair.left.camera.clone(), baseline_m, maps: BTreeMap::new() }
-    }
-
-    /// One frame more.
-    pub(super) fn add(&mut self, frame: FrameIndex, map: &DepthMap) {
-        self.maps.insert(frame, nearness(map));
+        let maps = BTreeMap::from([(frame, nearness(map))]);
+        Self { camera: map.pair.left.camera.clone(), baseline_m, maps }
     }
 
     /// Depth · nearness, m px.

@@ -1,7 +1,10 @@
 //! The fit that says where to look first: of an earlier run, or found by depth alone.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::convert::Infallible;
 
+use super::abreast::each_frame;
 use super::seen_depths::SeenDepths;
 use super::{SilhouetteError, StillScenes, UndistortedFrame};
 use crate::body::{BodyModel, Motion, Shape};
@@ -12,7 +15,7 @@ use crate::inference::joint::{JointOptions, joint_optimum_from_terms};
 use crate::inference::{Evidence, Sequence};
 use crate::likelihood::Measure;
 use crate::pipeline::fit::estimated;
-use crate::pipeline::{EstimateOptions, PictureSource, Progress, span};
+use crate::pipeline::{EstimateOptions, PictureSource, Progress};
 use crate::silhouette::{FrameIndex, FrameObservations};
 use crate::stereo::SideBySide;
 
@@ -62,9 +65,9 @@ impl StartingFit {
         // 1. what does not move
         let still = still_scenes(pictures, frames, progress);
         // 2. what does: points, and silhouettes where depth ends
-        let mut observed = Vec::new();
-        each_shown(pictures, frames, "depth", progress, |frame, shown| {
-            observed.push(still.moving(frame, pictures.rig(), &shown));
+        let rig = pictures.rig();
+        let observed = each_shown(pictures, frames, ("depth", progress), |frame, shown| {
+            still.moving(frame, rig, shown)
         });
         // 3. the body on it
         let options =
@@ -141,11 +144,19 @@ fn still_scenes(
     }
     let mut seen = BTreeMap::<CameraId, SeenDepths>::new();
     let some = spread(frames, STILL_FRAMES);
-    each_shown(pictures, &some, "still scene", progress, |frame, shown| {
-        for (camera, map) in shown.depths(pictures.rig()) {
-            seen.entry(camera).or_insert_with(|| SeenDepths::of(&map)).add(frame, &map);
-        }
+    let rig = pictures.rig();
+    let maps = each_shown(pictures, &some, ("still scene", progress), |frame, shown| {
+        let depths = shown.depths(rig).into_iter();
+        depths.map(|(camera, map)| (camera, SeenDepths::of(frame, &map))).collect::<Vec<_>>()
     });
+    for (camera, depths) in maps.into_iter().flatten() {
+        match seen.entry(camera) {
+            Entry::Occupied(earlier) => earlier.into_mut().maps.extend(depths.maps),
+            Entry::Vacant(first) => {
+                first.insert(depths);
+            }
+        }
+    }
     let mut still = StillScenes::learn(&seen);
     still.put_behind_who_stays(&seen);
     still
@@ -157,25 +168,23 @@ fn spread(frames: &[FrameIndex], most: usize) -> Vec<FrameIndex> {
     frames.iter().step_by(step).copied().collect()
 }
 
-/// Hands the pictures of some frames (ascending) to `take`; those that cannot be used are left out.
-fn each_shown(
+/// What is seen in some frames (ascending); those whose pictures cannot be used are left out.
+fn each_shown<T: Send>(
     pictures: &dyn PictureSource,
     frames: &[FrameIndex],
-    stage: &'static str,
-    progress: &dyn Progress,
-    mut take: impl FnMut(FrameIndex, UndistortedFrame),
-) {
-    progress.begin(stage, frames.len());
-    for (frame, seen) in pictures.pictures(span(frames)) {
-        if frames.binary_search(&frame).is_err() {
-            continue;
-        }
-        if let Ok(shown) = UndistortedFrame::new(pictures.rig(), &seen) {
-            take(frame, shown);
-        }
-        progress.step();
-    }
-    progress.end();
+    stage: (&'static str, &dyn Progress),
+    look: impl Fn(FrameIndex, &UndistortedFrame) -> T + Sync,
+) -> Vec<T> {
+    let undistorted = |frame, seen: &[_]| {
+        let shown = UndistortedFrame::new(pictures.rig(), seen).ok()?;
+        Some(look(frame, &shown))
+    };
+    let mut looks = Vec::new();
+    let Ok(()) = each_frame(pictures, frames, stage, undistorted, |_, _, seen| {
+        looks.extend(seen);
+        Ok::<(), Infallible>(())
+    });
+    looks
 }
 
 #[cfg(test)]
