@@ -71,17 +71,8 @@ impl SegmentationErrors {
     /// Takes discs out at the border and in the middle.
     fn bite(&self, mask: &Mask, window: &Window, pixels: &mut Plane<u8>, rng: &mut impl Rng) {
         let inside = |x: usize, y: usize| mask.is_foreground(x, y);
-        let is_border = |x: usize, y: usize| {
-            !(inside(x + 1, y)
-                && inside(x, y + 1)
-                && x > 0
-                && inside(x - 1, y)
-                && y > 0
-                && inside(x, y - 1))
-        };
-
         let all = window.pixels().filter(|&(x, y)| inside(x, y));
-        let (border, middle): (Vec<_>, Vec<_>) = all.partition(|&(x, y)| is_border(x, y));
+        let (border, middle): (Vec<_>, Vec<_>) = all.partition(|&(x, y)| is_border(inside, x, y));
         for (places, mean) in [(border, self.bites), (middle, self.holes)] {
             for _ in 0..count(mean, rng) {
                 if !places.is_empty() {
@@ -187,14 +178,9 @@ impl SignedDistance {
 /// The distance of every pixel from the nearest that is wanted, px; infinite without any.
 fn distances(width: usize, height: usize, is_wanted: impl Fn(usize, usize) -> bool) -> Plane<f64> {
     // the nearest to a pixel that is not wanted has one that is not wanted beside it
-    let is_border = |x: usize, y: usize| {
-        let beside = [(x + 1, y), (x.wrapping_sub(1), y), (x, y + 1), (x, y.wrapping_sub(1))];
-        let inside = |(x, y): &(usize, usize)| *x < width && *y < height;
-        is_wanted(x, y) && beside.iter().filter(|p| inside(p)).any(|&(x, y)| !is_wanted(x, y))
-    };
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let border: Vec<Point2<f64>> = pixels
-        .filter(|&(x, y)| is_border(x, y))
+        .filter(|&(x, y)| is_wanted(x, y) && is_border(&is_wanted, x, y))
         .map(|(x, y)| Point2::new(x as f64, y as f64))
         .collect();
 
@@ -211,6 +197,16 @@ fn distances(width: usize, height: usize, is_wanted: impl Fn(usize, usize) -> bo
         }
     }
     distances
+}
+
+/// Whether one of the four pixels beside a pixel is not inside, or beyond the first row or column.
+fn is_border(inside: impl Fn(usize, usize) -> bool, x: usize, y: usize) -> bool {
+    !(inside(x + 1, y)
+        && inside(x, y + 1)
+        && x > 0
+        && inside(x - 1, y)
+        && y > 0
+        && inside(x, y - 1))
 }
 
 /// A Gaussian random field of variance 1 everywhere, smooth over a correlation length.

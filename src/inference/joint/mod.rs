@@ -17,7 +17,7 @@ use std::ops::Range;
 
 use nalgebra::DVector;
 
-pub use options::{JointOptions, Rounds};
+pub use options::{Differences, JointOptions, Rounds};
 
 use super::camera_offset::CameraOffset;
 use super::camera_prior::CameraPrior;
@@ -134,8 +134,14 @@ pub fn joint_optimum_from_terms<'a>(
     let model = evidence.model;
     let motion_prior = MotionPrior::new(model, options.motion_model);
     let priors = Priors { shape: evidence.shape_prior.clone(), motion: motion_prior.clone() };
-    let search =
-        Search { evidence, seconds, motion_prior, camera_prior: &terms.camera_prior, step };
+    let search = Search {
+        evidence,
+        seconds,
+        motion_prior,
+        camera_prior: &terms.camera_prior,
+        differences: options.differences,
+        step,
+    };
     let mut state = start.detailed(model);
     state.cameras.resize(terms.camera_prior.cameras(), CameraOffset::none());
 
@@ -176,6 +182,7 @@ struct Search<'a, 'b> {
     /// With the published densities of accelerations.
     motion_prior: MotionPrior,
     camera_prior: &'a CameraPrior,
+    differences: Differences,
     step: &'a dyn Fn(),
 }
 
@@ -228,9 +235,11 @@ impl Search<'_, '_> {
         let motion_prior = priors.motion.beside(noise.staying_share(), self.seconds);
         posterior.motion_prior = &motion_prior;
         // a fold looks alike to cameras side by side
-        let model = self.evidence.model;
-        let contrasts =
-            Contrasts::new(model, &whole, &start, &leverages, posterior.weights.outlines);
+        let (model, of_lines) = (self.evidence.model, posterior.weights.outlines);
+        let contrasts = match self.differences {
+            Differences::Counted => Contrasts::new(model, &whole, &start, &leverages, of_lines),
+            Differences::LeftOut => none.clone(),
+        };
         posterior.contrasts = &contrasts;
 
         let counted = Counted { problem: &posterior, step: self.step };

@@ -16,6 +16,20 @@ pub struct JointOptions {
     pub motion_model: MotionModel,
     /// Which rounds are made.
     pub rounds: Rounds,
+    /// Whether it counts beside the outlines what cameras side by side see differently.
+    pub differences: Differences,
+}
+
+/// Whether what cameras side by side see differently counts by itself ([`contrasts`](crate::inference::contrasts)).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Differences {
+    /// As they err.
+    #[default]
+    Counted,
+    /// Outlines that were drawn from one body in all cameras differ as that body's do: fitted to them by turns, the body would follow
+    /// itself.
+    LeftOut,
 }
 
 /// Rounds of a few steps before a part of the border points, and a last one of many steps.
@@ -52,7 +66,8 @@ impl Rounds {
 impl Default for JointOptions {
     fn default() -> Self {
         let motion_model = MotionModel::ConstantVelocity;
-        Self { iterations: 25, motion_model, rounds: Rounds::All }
+        let (rounds, differences) = (Rounds::default(), Differences::default());
+        Self { iterations: 25, motion_model, rounds, differences }
     }
 }
 

@@ -12,9 +12,8 @@ use crate::math::stats::mean;
 use crate::pipeline::{PictureSource, Progress};
 use crate::silhouette::{FrameIndex, FrameObservations};
 
-/// Turns of contours and joint optimum: with two a body of plain build is still too thin, with more it may drift to edges
-/// beside it.
-const TURNS: usize = 4;
+/// Turns of contours and joint optimum: four end at the same borders (docs/decisions, 0049).
+const TURNS: usize = 2;
 
 /// Mean reliability below which contours are not to be trusted: of people it was .54 to .70, of an arm sought in a person
 /// .17 to .38.
@@ -31,7 +30,7 @@ pub enum SilhouettePipeline {
     Simple,
     /// Contours, and a fit to them and to stereo, by turns (§4.3).
     ///
-    /// **Differs** from the paper, which goes from frame to frame: each of four turns takes all frames at once.
+    /// **Differs** from the paper, which goes from frame to frame: each of two turns takes all frames at once.
     #[default]
     Joint,
     /// The same as published, each frame from the one before: a limb that is lost stays lost.

@@ -11,7 +11,7 @@ use crate::body::{BodyModel, Motion, Shape};
 use crate::camera::CameraId;
 use crate::inference::SequenceState;
 use crate::inference::camera_prior::CameraPrior;
-use crate::inference::joint::{JointOptions, joint_optimum_from_terms};
+use crate::inference::joint::{Differences, JointOptions, joint_optimum_from_terms};
 use crate::inference::{Evidence, Sequence};
 use crate::likelihood::Measure;
 use crate::pipeline::fit::estimated;
@@ -101,7 +101,8 @@ impl StartingFit {
         let motions = observed.iter().filter_map(|o| self.motions.get(&o.frame));
         let start = SequenceState::new(self.shape.clone(), motions.cloned().collect());
         let sequence = Sequence { frames: observed, fps };
-        let options = JointOptions::default();
+        // contours of a turn differ from camera to camera as the body does from which they were drawn
+        let options = JointOptions { differences: Differences::LeftOut, ..JointOptions::default() };
         let terms = evidence.sequence_terms(sequence, CameraPrior::trusting());
         let seconds = sequence.intervals_s();
         progress.begin("joint optimum", options.most_steps());
