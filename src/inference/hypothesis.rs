@@ -86,3 +86,16 @@ pub struct Search {
     /// Which of them is the most probable.
     pub winner: usize,
 }
+
+/// −log p of an observation that is of nobody, beside one that lies on the surface: it is anywhere in a room of five metres, and not
+/// within a standard deviation of one centimetre; log(5 / (0.01 √2π)).
+const OF_NOBODY: f64 = 5.3;
+
+impl Search {
+    /// By how much the winner makes the observations more probable than nobody would, log p(Z, s, m) − log p(Z | nobody).
+    pub fn evidence(&self) -> f64 {
+        let winner = &self.trials[self.winner];
+        let frames = winner.frames.iter().flatten();
+        OF_NOBODY * frames.map(|fit| fit.observations).sum::<f64>() - winner.energy()
+    }
+}

@@ -100,22 +100,73 @@ pub(super) fn estimated(
     options: &EstimateOptions,
     progress: &dyn Progress,
 ) -> Result<Estimate, FitError> {
-    let frames = sequence.frames.len();
-    let keyframes = frames.div_ceil(options.search.keyframe_spacing(frames));
-    let journal = WatchedJournal::new(&NoJournal, progress, keyframes, frames);
-    check_scene(model, rig, sequence.frames)?;
+    estimated_of_any(model, rig, &[sequence], options, progress).map(|(_, estimate)| estimate)
+}
 
-    let measures = measures(model, sequence.frames, options)?;
-    let evidence = Evidence::new(model, rig, options.likelihood, measures.search);
-    let faults = CameraFaults::of(rig, sequence.frames);
-    faults.check(rig, sequence.frames)?;
-    let shown = rig_as_shown(rig, &faults, options);
-    let coarse = Evidence::new(model, &shown, options.likelihood, measures.search);
-    let found = searched(&coarse, &faults, sequence, options, &journal)?;
-    let (estimate, _) =
-        LastStage { evidence: &evidence, sequence, measures, options, faults: &faults, progress }
-            .run(&found.trials[found.winner]);
-    Ok(estimate)
+/// The same of the one among several things, each in a sequence of its own, that a body explains best, and which it is.
+///
+/// A body explains a thing the better, the more probable it makes the observations than they were if they were anywhere
+/// ([`Search::evidence`]). One thing alone is taken as it is.
+///
+/// # Errors
+/// That of the first thing, where none can be fitted.
+pub(super) fn estimated_of_any(
+    model: &BodyModel,
+    rig: &Rig,
+    things: &[Sequence<'_>],
+    options: &EstimateOptions,
+    progress: &dyn Progress,
+) -> Result<(usize, Estimate), FitError> {
+    let found = things.iter().map(|thing| Found::new(model, rig, *thing, options, progress));
+    let mut found: Vec<Result<Found<'_>, FitError>> = found.collect();
+    let evidence = |i: &usize| found[*i].as_ref().ok().map(|found| found.search.evidence());
+    let fitted = (0..found.len()).filter_map(|i| Some((evidence(&i)?, i)));
+    match fitted.max_by(|a, b| a.0.total_cmp(&b.0)) {
+        Some((_, best)) => Ok((best, found.swap_remove(best)?.estimate(options, progress))),
+        None => Err(found.into_iter().find_map(Result::err).unwrap_or(FitError::NoFrames)),
+    }
+}
+
+/// What Algorithm 1 found of a thing.
+struct Found<'a> {
+    model: &'a BodyModel,
+    rig: &'a Rig,
+    sequence: Sequence<'a>,
+    measures: Measures,
+    faults: CameraFaults,
+    search: Search,
+}
+
+impl<'a> Found<'a> {
+    fn new(
+        model: &'a BodyModel,
+        rig: &'a Rig,
+        sequence: Sequence<'a>,
+        options: &EstimateOptions,
+        progress: &dyn Progress,
+    ) -> Result<Self, FitError> {
+        let frames = sequence.frames.len();
+        let keyframes = frames.div_ceil(options.search.keyframe_spacing(frames));
+        let journal = WatchedJournal::new(&NoJournal, progress, keyframes, frames);
+        check_scene(model, rig, sequence.frames)?;
+
+        let measures = measures(model, sequence.frames, options)?;
+        let faults = CameraFaults::of(rig, sequence.frames);
+        faults.check(rig, sequence.frames)?;
+        let shown = rig_as_shown(rig, &faults, options);
+        let coarse = Evidence::new(model, &shown, options.likelihood, measures.search);
+        let search = searched(&coarse, &faults, sequence, options, &journal)?;
+        Ok(Self { model, rig, sequence, measures, faults, search })
+    }
+
+    /// The joint optimum from the winner.
+    fn estimate(&self, options: &EstimateOptions, progress: &dyn Progress) -> Estimate {
+        let Self { sequence, measures, faults, .. } = self;
+        let (sequence, measures) = (*sequence, *measures);
+        let evidence = &Evidence::new(self.model, self.rig, options.likelihood, measures.search);
+        let stage = LastStage { evidence, sequence, measures, options, faults, progress };
+        stage.run(&self.search.trials[self.search.winner]).0
+    }
 }
 
 /// The stages, one after the other.

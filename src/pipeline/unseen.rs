@@ -61,7 +61,7 @@ pub(super) fn warning(
 }
 
 /// The joints between a part and the part that it hangs on.
-fn own_joints(model: &BodyModel, part: usize) -> Vec<usize> {
+pub(super) fn own_joints(model: &BodyModel, part: usize) -> Vec<usize> {
     let last = model.parts[part].joint;
     let is_other = |joint| {
         let mut others = model.parts.iter().filter(|p| p.joint != last);

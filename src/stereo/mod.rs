@@ -11,6 +11,7 @@
 //! | `bicubic.rs`       | brightness between the pixels                                                 |
 //! | `intersection.rs`  | [`intersect`]: where lines of sight meet, with covariance                     |
 //! | `rectify.rs`       | [`rectify`]: a pair whose rows correspond                                     |
+//! | `rows.rs`          | [`known_by_rows`]: whether the rows of two pictures correspond                |
 //! | [`correlation`]    | dense disparity of such a pair                                                |
 //! | `depth.rs`         | [`depth_map`]: its points                                                     |
 //! | [`matching`]       | least-squares matching in several images at once (PFD99 § 2.1)                |
@@ -25,6 +26,7 @@ mod depth_error;
 mod intersection;
 pub mod matching;
 mod rectify;
+mod rows;
 pub mod tracking;
 mod view;
 
@@ -34,4 +36,5 @@ pub use depth::{DepthMap, depth_map};
 pub use depth_error::DepthError;
 pub use intersection::{Intersection, Sighting, intersect};
 pub use rectify::{RectifiedPair, rectify};
+pub use rows::{MOST_ROWS, known_by_rows};
 pub use view::{StereoView, StereoViewError};

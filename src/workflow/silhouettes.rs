@@ -13,7 +13,8 @@ use crate::io::recording::footage::Footage;
 use crate::io::result::ResultFile;
 use crate::likelihood::Measure;
 use crate::pipeline::silhouettes::{
-    FoundSilhouettes, SilhouettePipeline, SilhouetteSearch, StartingFit,
+    FoundSilhouettes, SilhouetteError, SilhouettePipeline, SilhouetteSearch, StartingFit,
+    rows_apart,
 };
 use crate::pipeline::{FrameRange, Progress, check_measure};
 use crate::silhouette::FrameIndex;
@@ -42,6 +43,8 @@ pub struct WrittenSilhouettes {
     pub cameras: Vec<String>,
     /// View by view.
     pub rows: Vec<ContourRow>,
+    /// The frames in which depth speaks against a contour or a limb.
+    pub doubtful: Vec<FrameIndex>,
     /// What was left out, and why.
     pub notes: Vec<String>,
     /// That the contours are hardly on edges, where they are not.
@@ -70,7 +73,7 @@ impl Recording {
         // 1. where the body is
         let start = match files.start {
             Some(folder) => read_start(folder, &footage, frames, &model, progress)?,
-            None => StartingFit::find(&footage, frames, &model, progress)?,
+            None => first_fit(&footage, frames, &model, progress)?,
         };
         // 2. contours, frame by frame
         let search = SilhouetteSearch {
@@ -85,8 +88,9 @@ impl Recording {
         let known = footage.notes.iter().map(ToString::to_string);
         Ok(WrittenSilhouettes {
             cameras: footage.rig.names().map(str::to_owned).collect(),
-            warning: found.doubt(files.body),
-            failure: found.failure(files.body),
+            warning: found.doubt(files.body).map(|line| explained(line, &footage, frames)),
+            failure: found.failure(files.body).map(|line| explained(line, &footage, frames)),
+            doubtful: found.doubtful,
             rows,
             notes: known.chain(found.notes).collect(),
         })
@@ -103,7 +107,7 @@ pub(super) fn observe(
     progress: &dyn Progress,
 ) -> Result<FoundSilhouettes, Error> {
     let model = load_body(body)?;
-    let start = StartingFit::find(footage, frames, &model, progress)?;
+    let start = first_fit(footage, frames, &model, progress)?;
     let search = SilhouetteSearch {
         pictures: footage,
         frames,
@@ -115,9 +119,36 @@ pub(super) fn observe(
     let (found, _) = find_and_keep(&search, out, SilhouetteExtras::default(), progress)?;
     found.notes.iter().for_each(|note| progress.note(note));
     match found.failure(body) {
-        Some(line) => Err(Error::Unusable(line)),
+        Some(line) => Err(Error::Unusable(explained(line, footage, frames))),
         None => Ok(found),
     }
+}
+
+/// The first fit, by depth.
+fn first_fit(
+    footage: &Footage,
+    frames: &[FrameIndex],
+    model: &BodyModel,
+    progress: &dyn Progress,
+) -> Result<StartingFit, Error> {
+    StartingFit::find(footage, frames, model, progress).map_err(|fault| match fault {
+        SilhouetteError::Fit(fit) => match cause(footage, frames) {
+            Some(cause) => Error::Unusable(format!("{cause}; so {fit}")),
+            None => SilhouetteError::Fit(fit).into(),
+        },
+        other => other.into(),
+    })
+}
+
+/// What is amiss, after its cause where the pictures tell one.
+fn explained(line: String, footage: &Footage, frames: &[FrameIndex]) -> String {
+    cause(footage, frames).map_or_else(|| line.clone(), |cause| format!("{cause}; so {line}"))
+}
+
+/// Why contours cannot be found, as far as the pictures tell.
+fn cause(footage: &Footage, frames: &[FrameIndex]) -> Option<String> {
+    let apart: Vec<String> = rows_apart(footage, frames).iter().map(ToString::to_string).collect();
+    (!apart.is_empty()).then(|| apart.join("; "))
 }
 
 /// Finds silhouettes, and keeps masks, contours and quality in a folder.

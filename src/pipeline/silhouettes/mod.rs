@@ -11,19 +11,24 @@
 //! | the first fit (§ 4.1)                           | [`StartingFit`]                             |
 //! | the simple pipeline (§ 4.1), the joint one (§ 4.3) | [`SilhouetteSearch`]                     |
 //! | the joint one as published                      | `frame_after_frame.rs`                      |
+//! | what is amiss where contours lie on no edges    | [`rows_apart`]                              |
 //!
 //! A contour point counts in the likelihood by its reliability. Lengths are given in metres at the person and become pixels by
 //! the camera and the depth, so that they mean the same in every recording.
 
 mod abreast;
+mod absent;
 mod backing;
 mod colours;
 mod contour;
 mod ends;
 mod error;
 mod filter;
+mod followed;
 mod frame_after_frame;
 mod moving;
+mod pieces;
+mod rows_apart;
 mod run;
 mod scene;
 mod seen_depths;
@@ -38,6 +43,7 @@ pub use contour::{FoundPoint, ViewContours};
 pub(super) use ends::nearness;
 pub use error::SilhouetteError;
 pub use filter::{Edges, FilteredEdges, disparity_mask};
+pub use rows_apart::{RowsApart, rows_apart};
 pub use run::{
     FoundSilhouettes, FrameSilhouettes, SilhouettePipeline, SilhouetteSearch, UNSURE_BACKING,
     UNSURE_RELIABILITY,
@@ -132,7 +138,7 @@ impl ContourOptions {
 }
 
 /// Why a view has no contour of its own somewhere; the model's outline stands there, with reliability 0.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ContourFault {
     /// The body is not in view.
@@ -158,5 +164,11 @@ pub enum ContourFault {
     Unbacked {
         /// Of the pixels.
         percent: f64,
+    },
+    /// Parts of the body are not where it has them.
+    #[error("depth shows what stands behind the body's {parts}")]
+    SeenThrough {
+        /// Their names.
+        parts: String,
     },
 }

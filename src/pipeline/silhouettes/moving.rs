@@ -10,14 +10,13 @@
 //! with nearness n, the normal ν towards the person, the width w that correlation blurs, and the same threshold T that
 //! separates what moves from what stands still. Where no depth is known, n is that of the still scene.
 
-use std::collections::{BTreeMap, BTreeSet};
-
 use nalgebra::{Point2, Vector2};
 
 use super::ends::nearness;
-use super::still::{NEARER_PX, StillScene, StillScenes, points_where};
+use super::pieces::{Piece, middle, things};
+use super::still::{NEARER_PX, StillScene, StillScenes, known_points, points_where};
 use super::undistorted::UndistortedFrame;
-use crate::camera::{Camera, InfiniteHomography, Rig};
+use crate::camera::{Camera, CameraId, InfiniteHomography, Rig};
 use crate::image::{CleanOptions, Mask, Plane, Runs, clean, closed, opened, resample, trace};
 use crate::silhouette::{
     BorderPoint, FrameIndex, FrameObservations, Silhouette, SilhouetteOptions, from_curves,
@@ -30,36 +29,72 @@ pub(super) const CLEAN_PX: u8 = 3;
 const SPACING_PX: f64 = 1.5;
 /// Depth ends within so many pixels of a border, on either side: the window's reach, and the disk's.
 const BLUR_PX: i32 = 6;
-/// Edge of the cells by which points hang together, m.
-const CELL_M: f64 = 0.1;
 /// At most so many points of one frame are fitted to.
 pub(super) const MOST_POINTS: usize = 1500;
-/// A cell of fewer points is stray.
-const LEAST_IN_CELL: usize = 3;
+
+/// A piece of what moves in a frame.
+#[derive(Debug, Clone)]
+pub(super) struct Thing {
+    /// The middle of its points, seen from above, m.
+    pub(super) place: Vector2<f64>,
+    /// How many points of it the cameras see.
+    pub(super) size: usize,
+    /// Its silhouettes, and some of its points.
+    pub(super) observed: FrameObservations,
+}
 
 impl StillScenes {
-    /// The points and silhouettes of a frame that are in front of the still scenes of the same cameras.
-    pub fn moving(
+    /// What is in front of the still scenes of the same cameras in a frame, piece by piece, the largest first.
+    ///
+    /// The pixels of a piece that is large enough to be a thing of its own are in no silhouette of another; those of smaller ones, as
+    /// a hand that hangs on by nothing seen, are in all.
+    pub(super) fn moving(
         &self,
         frame: FrameIndex,
         rig: &Rig,
         shown: &UndistortedFrame,
-    ) -> FrameObservations {
-        let mut observed = FrameObservations::nothing(frame);
-        let mut points = Vec::new();
-        for (camera, map) in shown.depths(rig) {
-            let Some(still) = self.get(camera) else {
-                continue;
-            };
-            let moves = still.nearer(&nearness(&map));
-            points.extend(points_where(&map, &moves));
-            let silhouette = silhouette(still, &map, &moves, &rig.cameras[camera.0]);
-            observed.views.extend(silhouette.map(|s| (camera, s)));
-        }
+    ) -> Vec<Thing> {
+        // 1. what moves in each camera
+        let depths = shown.depths(rig);
+        let moves = |(camera, map): &(CameraId, DepthMap)| {
+            let still = self.get(*camera)?;
+            Some((still, still.nearer(&nearness(map))))
+        };
+        let seen: Vec<_> = depths.iter().filter_map(|view| Some((view, moves(view)?))).collect();
+        let points = seen.iter().flat_map(|((_, map), (_, moves))| points_where(map, moves));
+        let points: Vec<CloudPoint> = points.collect();
 
-        observed.points = thinned(largest_piece(points), MOST_POINTS);
-        observed
+        // 2. piece by piece
+        let things = things(&points);
+        let thing = |(i, piece): (usize, &Piece)| {
+            let own = piece.of(&points);
+            let place = middle(&own)?;
+
+            let mut others: Vec<&Piece> = things.iter().collect();
+            others.remove(i);
+            let mut observed = FrameObservations::nothing(frame);
+            for ((camera, map), (still, moves)) in &seen {
+                let own = without(map, moves, &others);
+                let silhouette = silhouette(still, map, &own, &rig.cameras[camera.0]);
+                observed.views.extend(silhouette.map(|s| (*camera, s)));
+            }
+            observed.points = thinned(own, MOST_POINTS);
+            Some(Thing { place, size: piece.count, observed })
+        };
+        things.iter().enumerate().filter_map(thing).collect()
     }
+}
+
+/// What moves without the pixels that show some pieces.
+fn without(map: &DepthMap, moves: &Mask, pieces: &[&Piece]) -> Mask {
+    let width = moves.width();
+    let mut is_theirs = vec![false; width * moves.height()];
+    for ((x, y), point) in known_points(map) {
+        is_theirs[y * width + x] = pieces.iter().any(|piece| piece.holds(&point.position_world));
+    }
+    Mask::from_fn(width, moves.height(), |x, y| {
+        moves.is_foreground(x, y) && !is_theirs[y * width + x]
+    })
 }
 
 /// The silhouette of what moves, in undistorted pixels of its camera; `None` where nothing does.
@@ -128,45 +163,10 @@ pub(super) fn thinned(points: Vec<CloudPoint>, most: usize) -> Vec<CloudPoint> {
     points.into_iter().step_by(step).collect()
 }
 
-/// The points in the largest set of neighbouring cells.
-pub(super) fn largest_piece(points: Vec<CloudPoint>) -> Vec<CloudPoint> {
-    let cell = |p: &CloudPoint| -> [i64; 3] {
-        let cell = p.position_world.coords.map(|x| (x / CELL_M).floor() as i64);
-        cell.into()
-    };
-    let mut counts: BTreeMap<[i64; 3], usize> = BTreeMap::new();
-    for point in &points {
-        *counts.entry(cell(point)).or_default() += 1;
-    }
-    counts.retain(|_, count| *count >= LEAST_IN_CELL);
-
-    // from any cell that is left, all that hang together with it
-    let (mut best, mut most) = (BTreeSet::new(), 0);
-    while let Some((first, count)) = counts.pop_first() {
-        let (mut piece, mut waiting, mut total) = (BTreeSet::from([first]), vec![first], count);
-        while let Some([x, y, z]) = waiting.pop() {
-            for k in 0..27 {
-                let next = [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1];
-                if let Some(count) = counts.remove(&next) {
-                    piece.insert(next);
-                    waiting.push(next);
-                    total += count;
-                }
-            }
-        }
-        if total > most {
-            (best, most) = (piece, total);
-        }
-    }
-
-    points.into_iter().filter(|p| best.contains(&cell(p))).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::still::tests::{depth_map, learnt};
     use super::*;
-    use crate::stereo::Spread;
 
     #[test]
     fn a_border_is_believed_where_depth_ends_with_it_and_not_where_the_person_always_stood() {
@@ -210,15 +210,5 @@ mod tests {
         let upwards = Vector2::new(0.0, 1.0);
         let at = |x: f64| both_see(&map.pair, &Point2::new(x, 15.0), &upwards, 20.0);
         assert!(!at(19.0) && at(21.0) && !at(41.0));
-    }
-
-    #[test]
-    fn of_two_pieces_the_larger_is_kept_and_strays_go() {
-        let at =
-            |x: f64| CloudPoint { position_world: [x, 0.0, 1.0].into(), spread: Spread::Unknown };
-        let near = (0..90).map(|i| at(f64::from(i) * 0.01));
-        let far = (0..30).map(|i| at(5.0 + f64::from(i) * 0.01));
-        let all = near.chain(far).chain([at(2.0)]).collect();
-        assert_eq!(largest_piece(all).len(), 90);
     }
 }

@@ -3,6 +3,7 @@
 use std::convert::Infallible;
 
 use super::abreast::each_frame;
+use super::starting_fit::AbsentParts;
 use super::{ContourOptions, FrameSighting, Scene, StartingFit, UndistortedFrame};
 use crate::body::{BodyModel, Posed};
 use crate::image::Picture;
@@ -72,7 +73,7 @@ pub struct FoundSilhouettes {
     pub reliability: Option<f64>,
     /// In how many frames depth speaks against the contours, and in how many it could tell.
     pub unbacked: (usize, usize),
-    /// The frames in which depth backs the contours of a view by less than [`UNSURE_BACKING`].
+    /// The frames in which depth backs the contours of a view by less than [`UNSURE_BACKING`], or shows what stands behind a limb.
     pub doubtful: Vec<FrameIndex>,
     /// What was left out, and why, in one line each.
     pub notes: Vec<String>,
@@ -97,7 +98,7 @@ impl FoundSilhouettes {
         let Some(reliability) = self.reliability.filter(|mean| *mean < UNSURE_RELIABILITY) else {
             let (first, count) = (self.doubtful.first()?, self.doubtful.len());
             return Some(format!(
-                "in {count} of {} frames (the first is {first}) less than {:.0} % of the contour of a view and of what stands out in depth about it is explained by {body}: see backing in quality.csv, and look with --overlays",
+                "in {count} of {} frames (the first is {first}) less than {:.0} % of the contour of a view and of what stands out in depth about it is explained by {body}, or a limb of it is where depth shows what stands behind: see backing and faults in quality.csv, and look with --overlays",
                 self.observations.len(),
                 100.0 * UNSURE_BACKING
             ));
@@ -138,7 +139,10 @@ impl<P: PictureSource> SilhouetteSearch<'_, P> {
             if let Some(is_backed) = found.sighting.is_backed() {
                 unbacked = (unbacked.0 + usize::from(!is_backed), unbacked.1 + 1);
             }
-            if found.sighting.least_backing().is_some_and(|least| least < UNSURE_BACKING) {
+            let backing = found.sighting.least_backing();
+            if backing.is_some_and(|least| least < UNSURE_BACKING)
+                || !found.sighting.absent.is_empty()
+            {
                 doubtful.push(found.frame);
             }
             observations.push(found.sighting.observed);
@@ -163,11 +167,13 @@ impl<P: PictureSource> SilhouetteSearch<'_, P> {
         let evidence = Evidence::new(body, rig, LikelihoodOptions::default(), Measure::Metaballs);
         let mut fitted = self.start.clone().detailed(body);
         for _ in 0..TURNS {
-            let mut observed = Vec::new();
+            let (mut observed, mut absent) = (Vec::new(), AbsentParts::new());
             let Ok(_) = self.each_frame(body, &fitted, "following", progress, |found| {
+                absent.insert(found.frame, found.sighting.absent);
                 observed.push(found.sighting.observed);
                 Ok::<(), Infallible>(())
             });
+            fitted = fitted.without(&absent, body);
             fitted = fitted.refitted(&observed, &evidence, self.pictures.fps(), progress);
         }
         fitted

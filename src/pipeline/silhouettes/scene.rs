@@ -3,6 +3,7 @@
 use nalgebra::Point3;
 use rayon::prelude::*;
 
+use super::absent::absent_parts;
 use super::backing::{DepthView, LEAST_BACKING};
 use super::contour::{ViewContours, px_per_m};
 use super::ends::where_depth_ends;
@@ -11,7 +12,7 @@ use super::moving::{MOST_POINTS, thinned};
 use super::still::StillScenes;
 use super::undistorted::UndistortedFrame;
 use super::{ContourFault, ContourOptions, ViewSighting};
-use crate::body::Posed;
+use crate::body::{PartId, Posed};
 use crate::camera::{Camera, CameraId, Rig};
 use crate::likelihood::{PointField, PointOptions, SkinScale, SurfacePoint};
 use crate::render::{ModelOutline, outline};
@@ -38,6 +39,8 @@ pub struct FrameSighting {
     pub views: Vec<Option<ViewSighting>>,
     /// Silhouettes and points.
     pub observed: FrameObservations,
+    /// The parts of the body that are not where it has them: depth shows what stands behind.
+    pub absent: Vec<PartId>,
 }
 
 impl FrameSighting {
@@ -160,7 +163,12 @@ impl<'a> Scene<'a> {
         body: &Posed<'_>,
         scale: &SkinScale,
     ) -> FrameSighting {
-        let views = self.contours(body, scale);
+        let mut views = self.contours(body, scale);
+        let absent = absent_parts(self.depths.iter().flatten(), body);
+        if !absent.is_empty() {
+            self.distrust(&mut views, &absent, body);
+        }
+
         let silhouettes = views.iter().enumerate().filter_map(|(i, seen)| {
             let silhouette = seen.as_ref()?.contours.silhouette.clone()?;
             Some((CameraId(i), silhouette))
@@ -170,7 +178,19 @@ impl<'a> Scene<'a> {
             points: self.points_near(body, scale),
             ..FrameObservations::nothing(frame)
         };
-        FrameSighting { views, observed }
+        FrameSighting { views, observed, absent }
+    }
+
+    /// Takes it that some parts are elsewhere than the body has them.
+    fn distrust(&self, views: &mut [Option<ViewSighting>], absent: &[PartId], body: &Posed<'_>) {
+        let names = absent.iter().map(|part| body.model.parts[part.0].name.as_str());
+        let parts = names.collect::<Vec<_>>().join(", ");
+        for (seen, camera) in views.iter_mut().zip(&self.rig.cameras) {
+            if let Some(seen) = seen {
+                let fault = ContourFault::SeenThrough { parts: parts.clone() };
+                seen.contours.distrust_parts(absent, fault, camera);
+            }
+        }
     }
 }
 

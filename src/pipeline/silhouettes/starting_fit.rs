@@ -5,16 +5,18 @@ use std::collections::btree_map::Entry;
 use std::convert::Infallible;
 
 use super::abreast::each_frame;
+use super::followed::followed;
 use super::seen_depths::SeenDepths;
 use super::{SilhouetteError, StillScenes, UndistortedFrame};
-use crate::body::{BodyModel, Motion, Shape};
+use crate::body::{BodyModel, Motion, PartId, Shape};
 use crate::camera::CameraId;
 use crate::inference::SequenceState;
 use crate::inference::camera_prior::CameraPrior;
 use crate::inference::joint::{Differences, JointOptions, joint_optimum_from_terms};
 use crate::inference::{Evidence, Sequence};
 use crate::likelihood::Measure;
-use crate::pipeline::fit::estimated;
+use crate::pipeline::fit::estimated_of_any;
+use crate::pipeline::unseen::own_joints;
 use crate::pipeline::{EstimateOptions, PictureSource, Progress};
 use crate::silhouette::{FrameIndex, FrameObservations};
 use crate::stereo::SideBySide;
@@ -66,17 +68,19 @@ impl StartingFit {
         let still = still_scenes(pictures, frames, progress);
         // 2. what does: points, and silhouettes where depth ends
         let rig = pictures.rig();
-        let observed = each_shown(pictures, frames, ("depth", progress), |frame, shown| {
-            still.moving(frame, rig, shown)
+        let moving = each_shown(pictures, frames, ("depth", progress), |frame, shown| {
+            (frame, still.moving(frame, rig, shown))
         });
-        // 3. the body on it
+        let things = followed(moving);
+        // 3. the body on it; where several things move, on the one that is a body
         let options =
             EstimateOptions { measure: Some(Measure::Metaballs), ..EstimateOptions::default() };
-        let sequence = Sequence { frames: &observed, fps: pictures.fps() };
+        let of_thing = |frames| Sequence { frames, fps: pictures.fps() };
+        let sequences: Vec<_> = things.iter().map(|thing| of_thing(thing)).collect();
         let plain = plain_build(model);
-        let found = estimated(&plain, pictures.rig(), sequence, &options, progress)?;
+        let (which, found) = estimated_of_any(&plain, rig, &sequences, &options, progress)?;
 
-        let fitted = observed.iter().zip(found.frames);
+        let fitted = things[which].iter().zip(found.frames);
         let motions = fitted.map(|(o, fit)| (o.frame, fit.motion)).collect();
         Ok(Self { shape: found.shape.first(model.coefficients.len()), motions, still })
     }
@@ -84,6 +88,32 @@ impl StartingFit {
     /// The same of a body with more coefficients.
     pub(super) fn detailed(mut self, body: &BodyModel) -> Self {
         self.shape = SequenceState::new(self.shape, Vec::new()).detailed(body).shape;
+        self
+    }
+
+    /// The same with the parts that are absent in a frame as they go between the frames about it in which they are not; at rest where there are
+    /// none.
+    pub(super) fn without(mut self, absent: &AbsentParts, body: &BodyModel) -> Self {
+        for part in 0..body.parts.len() {
+            let joints = own_joints(body, part);
+            let is_absent =
+                |frame: &FrameIndex| absent.get(frame).is_some_and(|p| p.contains(&PartId(part)));
+            let is_present = |frame: &&FrameIndex| !is_absent(frame);
+            let present: Vec<FrameIndex> =
+                self.motions.keys().filter(is_present).copied().collect();
+
+            let frames: Vec<FrameIndex> = self.motions.keys().copied().filter(is_absent).collect();
+            for frame in frames {
+                for joint in &joints {
+                    let angle = |frame: FrameIndex| self.motions[&frame].angles[*joint];
+                    let between = between(&present, frame, angle);
+                    let angle = between.unwrap_or(body.joints[*joint].rest);
+                    if let Some(motion) = self.motions.get_mut(&frame) {
+                        motion.angles[*joint] = angle;
+                    }
+                }
+            }
+        }
         self
     }
 
@@ -115,6 +145,24 @@ impl StartingFit {
         self.motions.extend(motions);
         Self { shape: joint.shape, ..self }
     }
+}
+
+/// The parts of a body that are not where a fit has them, frame by frame.
+pub(super) type AbsentParts = BTreeMap<FrameIndex, Vec<PartId>>;
+
+/// A value in a frame between the nearest of some frames (ascending), that of the nearest one where all are on one side; `None` without any.
+fn between(
+    known: &[FrameIndex],
+    frame: FrameIndex,
+    value: impl Fn(FrameIndex) -> f64,
+) -> Option<f64> {
+    let place = known.partition_point(|f| *f < frame);
+    let (before, after) = (known[..place].last(), known[place..].first());
+    let (Some(before), Some(after)) = (before, after) else {
+        return before.or(after).map(|f| value(*f));
+    };
+    let part = (frame.0 - before.0) as f64 / (after.0 - before.0) as f64;
+    Some((1.0 - part) * value(*before) + part * value(*after))
 }
 
 /// A model whose shape varies in no more ways than [`BUILDS`], those in which people differ most.
@@ -209,5 +257,43 @@ mod tests {
             assert!((held[way] / free[way] - 1.0).abs() < 1e-6);
         }
         assert!(held[BUILDS] < 0.01 * free[BUILDS] && held.iter().all(|v| *v > 0.0));
+    }
+
+    #[test]
+    fn a_part_that_is_absent_goes_as_between_the_frames_about_it_and_others_stay() {
+        let model = model::load("human-metaballs", Path::new("")).unwrap();
+        let part = model.parts.iter().position(|part| part.name == "forearm_l").unwrap();
+        let own = own_joints(&model, part);
+        let motion = |frame: usize| {
+            let mut motion = Motion::rest(&model);
+            motion.angles.add_scalar_mut(frame as f64);
+            motion
+        };
+        let motions = (0..8).map(|i| (FrameIndex(i), motion(i))).collect();
+        let shape = Shape(model.statistics.mean.clone());
+        let fit = StartingFit { shape, motions, still: StillScenes::default() };
+
+        // the frames 2, 3, 6 and 7; and then all
+        let absent = |frames: &[usize]| {
+            frames.iter().map(|i| (FrameIndex(*i), vec![PartId(part)])).collect::<AbsentParts>()
+        };
+        let mut lost = fit.clone();
+        for frame in [2, 3, 6, 7] {
+            let motion = lost.motions.get_mut(&FrameIndex(frame)).unwrap();
+            own.iter().for_each(|joint| motion.angles[*joint] = -9.0);
+        }
+        let found = lost.without(&absent(&[2, 3, 6, 7]), &model);
+        for (frame, held) in [(1, 1), (2, 2), (3, 3), (4, 4), (6, 5), (7, 5)] {
+            for joint in 0..model.joints.len() {
+                let expected = if own.contains(&joint) { held } else { frame };
+                let rest = model.joints[joint].rest;
+                let angle = found.motions[&FrameIndex(frame)].angles[joint];
+                assert!((angle - rest - expected as f64).abs() < 1e-12, "{frame}: {joint}");
+            }
+        }
+        let all = fit.without(&absent(&[0, 1, 2, 3, 4, 5, 6, 7]), &model);
+        let at_rest =
+            |joint: &usize| all.motions[&FrameIndex(5)].angles[*joint] - model.joints[*joint].rest;
+        assert!(own.iter().all(|joint| at_rest(joint).abs() < 1e-12));
     }
 }

@@ -184,13 +184,18 @@ fn noise_px(seen: &[f32]) -> f32 {
 
 /// The points of a depth map that a mask of its pixels shows.
 pub(super) fn points_where(map: &DepthMap, mask: &Mask) -> Vec<CloudPoint> {
-    // row by row, as the points are
-    let pixels = (0..mask.height()).flat_map(|y| (0..mask.width()).map(move |x| (x, y)));
-    let is_known =
-        |(x, y): &(usize, usize)| map.disparities.get(*x, *y).is_some_and(f32::is_finite);
-    let known = pixels.filter(is_known).zip(&map.points);
-    let shown = known.filter(|((x, y), _)| mask.is_foreground(*x, *y));
+    let shown = known_points(map).filter(|((x, y), _)| mask.is_foreground(*x, *y));
     shown.map(|(_, point)| *point).collect()
+}
+
+/// The pixels of a depth map whose depth is known, and their points.
+pub(super) fn known_points(map: &DepthMap) -> impl Iterator<Item = ((usize, usize), &CloudPoint)> {
+    // row by row, as the points are
+    let disparities = &map.disparities;
+    let (width, height) = (disparities.width(), disparities.height());
+    let pixels = (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)));
+    let is_known = |(x, y): &(usize, usize)| disparities.get(*x, *y).is_some_and(f32::is_finite);
+    pixels.filter(is_known).zip(&map.points)
 }
 
 /// Unknown places (0) that lie between known ones: as far away as the farther of these, along the row or the column.

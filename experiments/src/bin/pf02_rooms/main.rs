@@ -4,8 +4,8 @@
 //! walks on the spot, one does so turned away, of one the feet are out of view and of one a side, behind one a cart goes to and
 //! fro, and one turns and wanders. Distance, baseline and frame rate of the cameras are drawn too. A frame is in error where,
 //! in any camera, the overlap with the true mask is less than 0.9 or the contour is more than 4 px off on average; it has a
-//! verdict where the program refuses the whole, warns that the contours hardly lie on edges, or warns that depth backs too little of one
-//! of the frame's contours. `--quick`: the first two rooms, 16 frames each.
+//! verdict where the program refuses the whole, warns that the contours hardly lie on edges, or doubts the frame: depth backs too
+//! little of one of its contours, or shows what stands behind a limb. `--quick`: the first two rooms, 16 frames each.
 //!
 //! Starts: from nothing.
 
@@ -21,8 +21,9 @@ use experiments::table::Table;
 use maquette::Recording;
 use maquette::io::folder::silhouettes::SilhouetteExtras;
 use maquette::math::stats::mean;
-use maquette::pipeline::silhouettes::{SilhouettePipeline, UNSURE_BACKING, UNSURE_RELIABILITY};
+use maquette::pipeline::silhouettes::{SilhouettePipeline, UNSURE_RELIABILITY};
 use maquette::pipeline::{FrameRange, NoProgress};
+use maquette::silhouette::FrameIndex;
 use maquette::synth::{Company, FilmRecipe, Staging};
 use maquette::workflow::{DEFAULT_BODY, SilhouetteFiles};
 use rand::{RngExt, SeedableRng};
@@ -137,9 +138,9 @@ fn traced(recipe: &FilmRecipe, folder: &Path) -> Result<Traced, Fault> {
     };
     // a run that finds nothing to begin with is a verdict on every frame
     let written = Recording::open(&recording)?.write_silhouettes(&files, &NoProgress);
-    let (rows, failure) = match written {
-        Ok(written) => (written.rows, written.failure),
-        Err(fault) => (Vec::new(), Some(fault.to_string())),
+    let (rows, doubtful, failure) = match written {
+        Ok(written) => (written.rows, written.doubtful, written.failure),
+        Err(fault) => (Vec::new(), Vec::new(), Some(fault.to_string())),
     };
 
     let mut found = Traced {
@@ -158,11 +159,10 @@ fn traced(recipe: &FilmRecipe, folder: &Path) -> Result<Traced, Fault> {
         let names = film.synthetic.rig.names();
         let views = names.map(|name| score_of_view(&out, &truth, name, frame));
         let views: Vec<Score> = views.collect::<Result<_, _>>()?;
-        let mut of_frame = rows.iter().filter(|row| row.frame == frame).peekable();
         let has_verdict = found.failure.is_some()
             || is_doubted
-            || of_frame.peek().is_none()
-            || of_frame.any(|row| row.backing.is_some_and(|backing| backing < UNSURE_BACKING));
+            || !rows.iter().any(|row| row.frame == frame)
+            || doubtful.contains(&FrameIndex(frame));
 
         if views.iter().any(Score::is_error) {
             found.errors.push(frame);

@@ -118,6 +118,19 @@ impl ViewContours {
         self.faults.push(fault);
     }
 
+    /// Takes it that some parts of the body are elsewhere: their border does not count.
+    pub(super) fn distrust_parts(
+        &mut self,
+        parts: &[PartId],
+        fault: ContourFault,
+        camera: &Camera,
+    ) {
+        let points = self.outer.iter_mut().chain(&mut self.inner).flatten();
+        points.filter(|p| parts.contains(&p.part)).for_each(|point| point.reliability = 0.0);
+        self.silhouette = silhouette(&self.outer, camera);
+        self.faults.push(fault);
+    }
+
     /// The pixels of the recorded image within the outer contours.
     pub fn mask(&self, camera: &Camera) -> Mask {
         let (width, height) = (camera.width_px as usize, camera.height_px as usize);
