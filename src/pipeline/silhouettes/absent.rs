@@ -2,12 +2,11 @@
 //!
 //! A contour can be drawn around nobody. An arm that a fit holds away from the trunk, while it swings behind the trunk, is drawn to the
 //! edges of the furniture there, and nothing draws it back. But depth tells: a centre of a metaball lies within the flesh,
-//! so no camera sees anything farther there. Of the centres of a part and of those that hang on it, over all views in which a depth is known there, let a be the
-//! share at which the depth is farther than the centre by more than a limb is thick. A part with a > ½ is absent. So are those that hang
-//! on it, and the one on which it hangs, but for the trunk: an upper arm that leads to no forearm is not where it is thought to be, though
-//! its centres lie before the trunk. Where a nearer thing hides a centre, nothing speaks against the part.
-//!
-//! Of right fits a was .14 at most, of arms that had been lost 1.
+//! so no camera sees anything farther there. Of the centres of a part and of those that hang on it, over all views in which a
+//! depth is known there, let a be the share at which the depth is farther than the centre by more than a limb is thick. A part
+//! with a > ½ is absent. So are those that hang on it, and the one on which it hangs, but for the trunk: an upper arm that
+//! leads to no forearm is not where it is thought to be, though its centres lie before the trunk. Where a nearer thing hides a
+//! centre, nothing speaks against the part. What a was of limbs that were right and lost is in docs/decisions, 0050.
 
 use nalgebra::Point3;
 
@@ -83,7 +82,7 @@ impl<'m> DepthView<'m> {
         let (x, y) = rounded(&self.camera.project_undistorted(place)?)?;
         let near = f64::from(self.nearness.get(x, y)?);
         let depth_m = (self.camera.camera_from_world * place).z;
-        near.is_finite().then(|| self.scale > near * (depth_m + BEHIND_M))
+        near.is_finite().then_some(self.scale > near * (depth_m + BEHIND_M))
     }
 }
 

@@ -1,5 +1,6 @@
 //! Points that hang together, and the things that they show.
 
+use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Point3, Vector2};
@@ -68,7 +69,7 @@ fn pieces(points: &[CloudPoint]) -> Vec<Piece> {
         }
         pieces.push(piece);
     }
-    pieces.sort_by(|a, b| b.count.cmp(&a.count));
+    pieces.sort_by_key(|piece| Reverse(piece.count));
     pieces
 }
 

@@ -90,7 +90,8 @@ fn rows_of(pair: [CameraId; 2], looks: &[UndistortedFrame]) -> Option<i32> {
 
     let level = *known.get(MOST_ROWS as usize)?;
     let (most, rows) = known.into_iter().zip(-MOST_ROWS..).max_by_key(|(n, _)| *n)?;
-    (most > 0).then(|| if most as f64 > CLEARLY * level as f64 { rows } else { 0 })
+    let is_apart = most as f64 > CLEARLY * level as f64;
+    (most > 0).then_some(if is_apart { rows } else { 0 })
 }
 
 /// Which cameras were turned, and by how many rows: the one that all pairs have in common whose rows are apart, if it is in no other; else one of

@@ -37,7 +37,7 @@ const FRAMES: [usize; 2] = [40, 16];
 /// Rooms in all, and quickly.
 const ROOMS: [u64; 2] = [6, 2];
 /// Seeds begin here: nothing was tried on these.
-const FIRST_SEED: u64 = 201;
+const FIRST_SEED: u64 = 301;
 
 /// What is particular to each room.
 const PARTICULARS: [&str; 6] = [
