@@ -3,11 +3,12 @@
 //! | stage (PF02 § 4)                                | where                                       |
 //! |-------------------------------------------------|---------------------------------------------|
 //! | pictures without lenses, their depths           | [`UndistortedFrame`]                              |
-//! | before there is a model: what moves, by depth   | [`StillScenes::moving`]                     |
+//! | before there is a model: what moves, by depth   | `moving.rs`, thing by thing `followed.rs`   |
 //! | the gradient, filtered by disparity (§ 4.2)     | [`Edges`], [`disparity_mask`], [`FilteredEdges`] |
 //! | the outline that is expected                    | [`crate::render::outline`]                  |
 //! | active contours                                 | [`ViewContours`]                            |
 //! | and, beside them, where the person's colours end | `colours.rs`                               |
+//! | limbs that depth sees through                   | `absent.rs`                                 |
 //! | the first fit (§ 4.1)                           | [`StartingFit`]                             |
 //! | the simple pipeline (§ 4.1), the joint one (§ 4.3) | [`SilhouetteSearch`]                     |
 //! | the joint one as published                      | `frame_after_frame.rs`                      |
