@@ -5,7 +5,7 @@
 //!
 //! 1. what moves says where the person is: the median of the largest piece of moving points, frame by frame. Where as much moves
 //!    elsewhere, a person may be there too;
-//! 2. the floor is the height at which most points of the still scene about that place lie, no higher than what moves;
+//! 2. the floor is the height at which most points of the still scene about that place lie, no higher than what moves there;
 //! 3. the person is the piece of depth, above the floor and within reach of that place, that holds most of what moves;
 //! 4. a pixel whose still depth is in that piece in most of the frames that show it is the person's.
 //!
@@ -19,7 +19,7 @@ use nalgebra::{Point3, Vector2};
 use rayon::prelude::*;
 
 use super::moving::CLEAN_PX;
-use super::pieces::{LEAST_OF_LARGEST, MOST_THINGS, largest_piece, middle};
+use super::pieces::{LEAST_OF_LARGEST, MOST_THINGS, Piece, largest_piece, middle, things};
 use super::seen_depths::{EVERY_PX, SeenDepths};
 use super::still::{StillScene, StillScenes};
 use crate::camera::CameraId;
@@ -110,27 +110,38 @@ impl StillScenes {
             }
         }
 
-        // the floor, about where most moves in the whole recording
+        // the floor, about each thing that moves in the whole recording
         let all: Vec<_> = points.values().flatten().step_by(EVERY_PX).copied().collect();
-        let all = largest_piece(&all);
-        let floor = self.floor(seen, &all)?;
+        let floor = |thing: &Piece| {
+            let own = thing.of(&all);
+            Some(Standing { place: middle(&own)?, floor: self.floor(seen, &own)? })
+        };
+        let floors: Vec<Standing> = things(&all).iter().filter_map(floor).collect();
 
         // and in each frame where most moves above it
-        let standing = points.into_iter().filter_map(|(frame, mut points)| {
-            points.retain(|p| p.position_world.z > floor + 1.5 * HEIGHT_STEP_M);
-            let places = places(points).into_iter();
-            let standing: Vec<_> = places.map(|place| Standing { place, floor }).collect();
+        let standing = points.into_iter().filter_map(|(frame, points)| {
+            let standing: Vec<_> = places(points, &floors);
             (!standing.is_empty()).then_some((frame, standing))
         });
         Some(standing.collect())
     }
 }
 
-/// Where most moves, and where else as much as a thing of its own would.
-fn places(mut moving: Vec<CloudPoint>) -> Vec<Vector2<f64>> {
+/// Where most moves above the floor, and where else as much as a thing of its own would; `floors` are known at some places.
+fn places(mut moving: Vec<CloudPoint>, floors: &[Standing]) -> Vec<Standing> {
+    let floor = |place: Vector2<f64>| {
+        let far = |standing: &&Standing| (standing.place - place).norm();
+        floors.iter().min_by(|a, b| far(a).total_cmp(&far(b))).map(|nearest| nearest.floor)
+    };
+    moving.retain(|p| {
+        let floor = floor(p.position_world.coords.xy());
+        floor.is_some_and(|floor| p.position_world.z > floor + 1.5 * HEIGHT_STEP_M)
+    });
+
     let (mut places, mut most) = (Vec::new(), 0);
     while places.len() < MOST_THINGS {
-        let Some(place) = middle(&largest_piece(&moving)) else {
+        let place = middle(&largest_piece(&moving));
+        let Some((place, floor)) = place.and_then(|place| Some((place, floor(place)?))) else {
             break;
         };
 
@@ -141,7 +152,7 @@ fn places(mut moving: Vec<CloudPoint>) -> Vec<Vector2<f64>> {
         if (within as f64) < LEAST_OF_LARGEST * most as f64 {
             break;
         }
-        places.push(place);
+        places.push(Standing { place, floor });
     }
     places
 }
