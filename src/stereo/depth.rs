@@ -54,6 +54,12 @@ impl RectifiedPair {
         self.left.camera.intrinsics.cx_px - self.right.camera.intrinsics.cx_px
     }
 
+    /// How far away something with a disparity is, m.
+    pub fn depth_m(&self, disparity: f32) -> f64 {
+        let parallax = f64::from(disparity) - self.infinity();
+        self.left.camera.intrinsics.fx_px * self.baseline() / parallax
+    }
+
     /// How far the second camera stands to the right of the first, m; negative to the left.
     pub fn baseline(&self) -> f64 {
         (self.left.camera.camera_from_world * self.right.camera.centre_world()).x

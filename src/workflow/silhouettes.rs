@@ -88,7 +88,10 @@ impl Recording {
         let known = footage.notes.iter().map(ToString::to_string);
         Ok(WrittenSilhouettes {
             cameras: footage.rig.names().map(str::to_owned).collect(),
-            warning: found.doubt(files.body).map(|line| explained(line, &footage, frames)),
+            warning: found.doubt(files.body).map(|line| match found.off_edges() {
+                Some(_) => explained(line, &footage, frames),
+                None => line,
+            }),
             failure: found.failure(files.body).map(|line| explained(line, &footage, frames)),
             doubtful: found.doubtful,
             rows,

@@ -10,11 +10,8 @@
 
 use nalgebra::Point3;
 
-use super::ends::nearness;
 use super::filter::rounded;
 use crate::body::{PartId, Posed, towards_root};
-use crate::camera::Camera;
-use crate::image::Plane;
 use crate::stereo::DepthMap;
 
 /// A limb is no thicker than this, m: so much behind a centre is not the limb's own skin.
@@ -29,22 +26,16 @@ pub(super) fn absent_parts<'m>(
     maps: impl Iterator<Item = &'m DepthMap>,
     body: &Posed<'_>,
 ) -> Vec<PartId> {
-    let views: Vec<DepthView<'_>> = maps.map(DepthView::new).collect();
-    let mut known = vec![(0_usize, 0_usize); body.model.parts.len()];
+    let maps: Vec<&DepthMap> = maps.collect();
+    let parents = body.model.part_parents();
+    let mut known = vec![(0_usize, 0_usize); parents.len()];
     for ball in &body.model.metaballs {
         let centre = Point3::from(body.primitive(ball).centre);
-        for is_behind in views.iter().filter_map(|view| view.shows_behind(&centre)) {
-            let (behind, all) = &mut known[ball.part.0];
-            (*behind, *all) = (*behind + usize::from(is_behind), *all + 1);
-        }
-    }
-
-    // parts come after those that carry them
-    let parents = body.model.part_parents();
-    for part in (0..known.len()).rev() {
-        let ((behind, all), parent) = (known[part], parents[part]);
-        if let Some(carrier) = parent.and_then(|parent| known.get_mut(parent)) {
-            *carrier = (carrier.0 + behind, carrier.1 + all);
+        for is_behind in maps.iter().filter_map(|map| shows_behind(map, &centre)) {
+            for part in towards_root(&parents, ball.part.0) {
+                let (behind, all) = &mut known[part];
+                (*behind, *all) = (*behind + usize::from(is_behind), *all + 1);
+            }
         }
     }
     let is_seen_through = |part: usize| {
@@ -62,28 +53,12 @@ pub(super) fn absent_parts<'m>(
     (0..parents.len()).filter(|part| is_absent(*part)).map(PartId).collect()
 }
 
-/// How far one camera sees.
-struct DepthView<'m> {
-    camera: &'m Camera,
-    /// Depth · nearness, m px.
-    scale: f64,
-    nearness: Plane<f32>,
-}
-
-impl<'m> DepthView<'m> {
-    fn new(map: &'m DepthMap) -> Self {
-        let camera = &map.pair.left.camera;
-        let scale = camera.intrinsics.fx_px * map.pair.baseline().abs();
-        Self { camera, scale, nearness: nearness(map) }
-    }
-
-    /// Whether the camera sees something behind a place; `None` where it sees no depth.
-    fn shows_behind(&self, place: &Point3<f64>) -> Option<bool> {
-        let (x, y) = rounded(&self.camera.project_undistorted(place)?)?;
-        let near = f64::from(self.nearness.get(x, y)?);
-        let depth_m = (self.camera.camera_from_world * place).z;
-        near.is_finite().then_some(self.scale > near * (depth_m + BEHIND_M))
-    }
+/// Whether a camera sees something behind a place; `None` where it sees no depth.
+fn shows_behind(map: &DepthMap, place: &Point3<f64>) -> Option<bool> {
+    let camera = &map.pair.left.camera;
+    let (x, y) = rounded(&camera.project_undistorted(place)?)?;
+    let disparity = map.disparities.get(x, y).filter(|d| d.is_finite())?;
+    Some(map.pair.depth_m(disparity) > (camera.camera_from_world * place).z + BEHIND_M)
 }
 
 #[cfg(test)]
@@ -95,7 +70,8 @@ mod tests {
 
     use super::*;
     use crate::body::{BodyModel, Motion, Shape};
-    use crate::camera::{Distortion, Intrinsics};
+    use crate::camera::{Camera, Distortion, Intrinsics};
+    use crate::image::Plane;
     use crate::io::model;
     use crate::math::Rigid3;
     use crate::stereo::{RectifiedPair, StereoView};

@@ -93,9 +93,14 @@ impl FoundSilhouettes {
         })
     }
 
+    /// Mean reliability of contours that hardly lie on edges; `None` where they do.
+    pub fn off_edges(&self) -> Option<f64> {
+        self.reliability.filter(|mean| *mean < UNSURE_RELIABILITY)
+    }
+
     /// That the contours of this body hardly lie on edges, or that depth backs too little of them; `None` where neither is so.
     pub fn doubt(&self, body: &str) -> Option<String> {
-        let Some(reliability) = self.reliability.filter(|mean| *mean < UNSURE_RELIABILITY) else {
+        let Some(reliability) = self.off_edges() else {
             let (first, count) = (self.doubtful.first()?, self.doubtful.len());
             return Some(format!(
                 "in {count} of {} frames (the first is {first}) less than {:.0} % of the contour of a view and of what stands out in depth about it is explained by {body}, or a limb of it is where depth shows what stands behind: see backing and faults in quality.csv, and look with --overlays",

@@ -8,11 +8,12 @@ use super::abreast::each_frame;
 use super::followed::followed;
 use super::seen_depths::SeenDepths;
 use super::{SilhouetteError, StillScenes, UndistortedFrame};
-use crate::body::{BodyModel, Motion, PartId, Shape};
+use crate::body::{BodyModel, Layout, Motion, PartId, Shape};
 use crate::camera::CameraId;
 use crate::inference::SequenceState;
 use crate::inference::camera_prior::CameraPrior;
 use crate::inference::joint::{Differences, JointOptions, joint_optimum_from_terms};
+use crate::inference::step::between;
 use crate::inference::{Evidence, Sequence};
 use crate::likelihood::Measure;
 use crate::pipeline::fit::estimated_of_any;
@@ -95,26 +96,32 @@ impl StartingFit {
     /// none.
     pub(super) fn without(mut self, absent: &AbsentParts, body: &BodyModel) -> Self {
         for part in 0..body.parts.len() {
-            let joints = own_joints(body, part);
+            let own = own_joints(body, part);
             let is_absent =
                 |frame: &FrameIndex| absent.get(frame).is_some_and(|p| p.contains(&PartId(part)));
-            let is_present = |frame: &&FrameIndex| !is_absent(frame);
-            let present: Vec<FrameIndex> =
-                self.motions.keys().filter(is_present).copied().collect();
-
-            let frames: Vec<FrameIndex> = self.motions.keys().copied().filter(is_absent).collect();
-            for frame in frames {
-                for joint in &joints {
-                    let angle = |frame: FrameIndex| self.motions[&frame].angles[*joint];
-                    let between = between(&present, frame, angle);
-                    let angle = between.unwrap_or(body.joints[*joint].rest);
-                    if let Some(motion) = self.motions.get_mut(&frame) {
-                        motion.angles[*joint] = angle;
-                    }
+            let (lost, present): (Vec<FrameIndex>, Vec<FrameIndex>) =
+                self.motions.keys().partition(|frame| is_absent(frame));
+            for frame in lost {
+                let expected = self.as_between(&present, frame, body);
+                if let Some(motion) = self.motions.get_mut(&frame) {
+                    own.iter().for_each(|joint| motion.angles[*joint] = expected.angles[*joint]);
                 }
             }
         }
         self
+    }
+
+    /// The motion of a frame as it goes between the nearest of some frames (ascending), that of the nearest where all are on one side; at
+    /// rest without any.
+    fn as_between(&self, known: &[FrameIndex], frame: FrameIndex, body: &BodyModel) -> Motion {
+        let place = known.partition_point(|f| *f < frame);
+        let (before, after) = (known[..place].last(), known[place..].first());
+        let (Some(before), Some(after)) = (before, after) else {
+            let nearest = before.or(after).map(|frame| self.motions[frame].clone());
+            return nearest.unwrap_or_else(|| Motion::rest(body));
+        };
+        let part = (frame.0 - before.0) as f64 / (after.0 - before.0) as f64;
+        between(Layout::new(body), &self.motions[before], &self.motions[after], part)
     }
 
     /// Shape and motion of all frames at once, fitted to what was observed in them (PF02, §4.3, step 3).
@@ -149,21 +156,6 @@ impl StartingFit {
 
 /// The parts of a body that are not where a fit has them, frame by frame.
 pub(super) type AbsentParts = BTreeMap<FrameIndex, Vec<PartId>>;
-
-/// A value in a frame between the nearest of some frames (ascending), that of the nearest one where all are on one side; `None` without any.
-fn between(
-    known: &[FrameIndex],
-    frame: FrameIndex,
-    value: impl Fn(FrameIndex) -> f64,
-) -> Option<f64> {
-    let place = known.partition_point(|f| *f < frame);
-    let (before, after) = (known[..place].last(), known[place..].first());
-    let (Some(before), Some(after)) = (before, after) else {
-        return before.or(after).map(|f| value(*f));
-    };
-    let part = (frame.0 - before.0) as f64 / (after.0 - before.0) as f64;
-    Some((1.0 - part) * value(*before) + part * value(*after))
-}
 
 /// A model whose shape varies in no more ways than [`BUILDS`], those in which people differ most.
 ///

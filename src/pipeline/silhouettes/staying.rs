@@ -112,10 +112,7 @@ impl StillScenes {
 
         // the floor, about each thing that moves in the whole recording
         let all: Vec<_> = points.values().flatten().step_by(EVERY_PX).copied().collect();
-        let floor = |thing: &Piece| {
-            let own = thing.of(&all);
-            Some(Standing { place: middle(&own)?, floor: self.floor(seen, &own)? })
-        };
+        let floor = |thing: &Piece| self.floor(seen, &thing.of(&all));
         let floors: Vec<Standing> = things(&all).iter().filter_map(floor).collect();
 
         // and in each frame where most moves above it
@@ -158,8 +155,12 @@ fn places(mut moving: Vec<CloudPoint>, floors: &[Standing]) -> Vec<Standing> {
 }
 
 impl StillScenes {
-    /// Height of the floor below what moves: the commonest of the still scene about it, no higher than its lowest points.
-    fn floor(&self, seen: &BTreeMap<CameraId, SeenDepths>, moving: &[CloudPoint]) -> Option<f64> {
+    /// Where something moves, and the floor there: the commonest height of the still scene about it, no higher than its lowest points.
+    fn floor(
+        &self,
+        seen: &BTreeMap<CameraId, SeenDepths>,
+        moving: &[CloudPoint],
+    ) -> Option<Standing> {
         let place = middle(moving)?;
         let mut heights: Vec<f64> = moving.iter().map(|p| p.position_world.z).collect();
         heights.sort_by(f64::total_cmp);
@@ -174,7 +175,7 @@ impl StillScenes {
             let about = about.filter(|p| (p.coords.xy() - place).norm() < ABOUT_M);
             below.extend(about.map(|p| p.z).filter(|height| *height < highest));
         }
-        commonest(&below).or(Some(*lowest))
+        Some(Standing { place, floor: commonest(&below).unwrap_or(*lowest) })
     }
 }
 
