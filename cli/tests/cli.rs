@@ -14,6 +14,8 @@ mod events;
 mod fit;
 #[path = "gait/program.rs"]
 mod gait;
+#[path = "cli/odd_files.rs"]
+mod odd_files;
 #[path = "cli/others.rs"]
 mod others;
 #[path = "cli/progress.rs"]
@@ -43,6 +45,8 @@ mod skin;
 mod stereo;
 #[path = "cli/verdict.rs"]
 mod verdict;
+#[path = "cli/videos.rs"]
+mod videos;
 #[path = "cli/views.rs"]
 mod views;
 #[allow(dead_code, reason = "a walker shared with the tests of gait")]

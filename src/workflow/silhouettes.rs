@@ -88,10 +88,7 @@ impl Recording {
         let known = footage.notes.iter().map(ToString::to_string);
         Ok(WrittenSilhouettes {
             cameras: footage.rig.names().map(str::to_owned).collect(),
-            warning: found.doubt(files.body).map(|line| match found.off_edges() {
-                Some(_) => explained(line, &footage, frames),
-                None => line,
-            }),
+            warning: doubt(&found, files.body, &footage, frames),
             failure: found.failure(files.body).map(|line| explained(line, &footage, frames)),
             doubtful: found.doubtful,
             rows,
@@ -101,7 +98,7 @@ impl Recording {
 }
 
 /// Silhouettes and points of some frames by the joint pipeline, to be fitted to; masks, contours and quality are kept in a
-/// folder. [`Error::Unusable`] says why they are nobody's outline.
+/// folder. What speaks against them is one of the notes; [`Error::Unusable`] says why they are nobody's outline.
 pub(super) fn observe(
     footage: &Footage,
     frames: &[FrameIndex],
@@ -119,12 +116,27 @@ pub(super) fn observe(
         pipeline: SilhouettePipeline::Joint,
     };
 
-    let (found, _) = find_and_keep(&search, out, SilhouetteExtras::default(), progress)?;
+    let (mut found, _) = find_and_keep(&search, out, SilhouetteExtras::default(), progress)?;
     found.notes.iter().for_each(|note| progress.note(note));
-    match found.failure(body) {
-        Some(line) => Err(Error::Unusable(explained(line, footage, frames))),
-        None => Ok(found),
+    if let Some(line) = found.failure(body) {
+        return Err(Error::Unusable(explained(line, footage, frames)));
     }
+    found.notes.extend(doubt(&found, body, footage, frames));
+    Ok(found)
+}
+
+/// That the contours are hardly on edges, with its cause, or that depth backs too little of them; `None` where neither is so.
+fn doubt(
+    found: &FoundSilhouettes,
+    body: &str,
+    footage: &Footage,
+    frames: &[FrameIndex],
+) -> Option<String> {
+    let line = found.doubt(body)?;
+    Some(match found.off_edges() {
+        Some(_) => explained(line, footage, frames),
+        None => line,
+    })
 }
 
 /// The first fit, by depth.
